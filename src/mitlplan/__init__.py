@@ -1,0 +1,1 @@
+"""Robot plans that meet their deadlines."""

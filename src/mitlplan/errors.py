@@ -1,0 +1,78 @@
+"""Every error a user can meet.
+
+Each carries one sentence that says what is wrong, where, and how to mend it. The command line prints the
+sentence and exits with 2; nothing else in the project prints or exits.
+"""
+
+from __future__ import annotations
+
+
+class MitlplanError(Exception):
+    """The common parent: ``str(error)`` is the sentence for the user."""
+
+
+class FormulaError(MitlplanError):
+    """A formula that cannot be read; the message shows the text with a caret under the place.
+
+    Parameters
+    ----------
+    problem
+        One sentence: what is wrong and what was expected.
+    text
+        The formula.
+    position, length
+        Where in `text`, in characters.
+    hint
+        What to write instead, or the empty string.
+    """
+
+    def __init__(
+        self, problem: str, text: str, position: int, *, length: int = 1, hint: str = ""
+    ) -> None:
+        self.problem = problem
+        self.text = text
+        self.position = position
+        self.length = length
+        self.hint = hint
+        super().__init__(self._render())
+
+    def _render(self) -> str:
+        # A long formula is shown by the piece around the caret, so the caret stays visible.
+        start = max(0, self.position - 60)
+        end = min(len(self.text), self.position + 60)
+        before = "..." if start > 0 else ""
+        after = "..." if end < len(self.text) else ""
+        shown = before + self.text[start:end].replace("\n", " ").replace("\t", " ") + after
+        caret = " " * (len(before) + self.position - start) + "^" * max(
+            1, min(self.length, end - self.position)
+        )
+        lines = [self.problem, f"  {shown}", f"  {caret}"]
+        if self.hint:
+            lines.append(f"  hint: {self.hint}")
+        return "\n".join(lines)
+
+
+class MissionError(MitlplanError):
+    """A mission file that cannot be used; the message begins with file, line and column."""
+
+    def __init__(
+        self, problem: str, *, file: str = "", line: int | None = None, column: int | None = None
+    ) -> None:
+        self.problem = problem
+        self.file = file
+        self.line = line
+        self.column = column
+        place = ":".join(str(part) for part in (file, line, column) if part not in ("", None))
+        super().__init__(f"{place}: {problem}" if place else problem)
+
+
+class WorkspaceError(MitlplanError):
+    """A workspace that makes no sense: an unknown cell, a negative time, a map that cannot be read."""
+
+
+class PlanFileError(MitlplanError):
+    """A plan file that cannot be read, or that does not belong to the mission."""
+
+
+class TranslationError(MitlplanError):
+    """A formula that no automaton of the chosen construction can express."""
