@@ -67,7 +67,14 @@ class MissionError(MitlplanError):
 
 
 class WorkspaceError(MitlplanError):
-    """A workspace that makes no sense: an unknown cell, a negative time, a map that cannot be read."""
+    """A workspace that makes no sense: an unknown cell, a negative time, a map that cannot be read.
+
+    `where` is the path of keys and places at which it was given, such as ``("regions", "A", 0)``.
+    """
+
+    def __init__(self, problem: str, *, where: tuple[str | int, ...] = ()) -> None:
+        self.where = where
+        super().__init__(problem)
 
 
 class PlanFileError(MitlplanError):

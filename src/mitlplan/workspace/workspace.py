@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mitlplan.errors import WorkspaceError
+from mitlplan.workspace.names import GridNames, ListedNames, advise
 
 UNLIMITED = -1
 """In ``Workspace.most``: the move may be put off for ever."""
@@ -84,7 +85,23 @@ class Workspace:
 
     def holds(self, cell: int) -> frozenset[str]:
         """The propositions of `cell`."""
-        return self.label_sets[self.label_of[cell]]
+        return self.label_sets[int(self.label_of[cell])]
+
+    def index_of(self, name: str) -> int | None:
+        """The index of the cell called `name`, or ``None`` if there is none."""
+        match self.names:
+            case ListedNames() | GridNames() as names:
+                return names.find(name)
+            case plain:
+                return plain.index(name) if name in plain else None
+
+    def advise(self, name: str) -> str:
+        """Which cells there are, for somebody who wrote `name` and meant one of them."""
+        match self.names:
+            case ListedNames() | GridNames() as names:
+                return names.advise(name)
+            case plain:
+                return advise(name, plain, "cells")
 
     def moves_from(self, cell: int) -> range:
         """The indices of the moves that leave `cell`."""
@@ -93,7 +110,7 @@ class Workspace:
 
     def least_time(self, move: int) -> Fraction:
         """The least time that `move` takes, in seconds."""
-        return self.durations[self.least[move]]
+        return self.durations[int(self.least[move])]
 
     def most_time(self, move: int) -> Fraction | None:
         """The longest time that `move` may take, waiting aside; ``None`` is unlimited."""
