@@ -232,6 +232,13 @@ public:
         return zone;
     }
 
+    /// The valuations, of clocks >= 0, that satisfy every entry of a matrix that need not be closed.
+    static Zone from_matrix(std::span<const Bound> matrix, int dimension) {
+        Zone zone = universe(dimension);
+        dbm::intersect(zone.matrix_, matrix, dimension);
+        return zone;
+    }
+
     int dimension() const noexcept { return dimension_; }
     std::span<const Bound> matrix() const noexcept { return matrix_; }
     Bound at(int i, int j) const noexcept { return matrix_[dbm::entry(dimension_, i, j)]; }

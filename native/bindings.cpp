@@ -1,0 +1,9 @@
+// The native module, mitlplan._core: integers in, integers out. What each half offers stands in its own file.
+#include "bindings.hpp"
+
+#include <nanobind/nanobind.h>
+
+NB_MODULE(_core, m) {
+    m.doc() = "Native half of mitlplan: zones, and the search over them. Times are ticks (integers).";
+    mitlplan::bind_zone(m);
+}
