@@ -37,12 +37,15 @@ class FormulaError(MitlplanError):
         super().__init__(self._render())
 
     def _render(self) -> str:
+        if not self.text.strip():
+            return self.problem
         # A long formula is shown by the piece around the caret, so the caret stays visible.
         start = max(0, self.position - 60)
         end = min(len(self.text), self.position + 60)
         before = "..." if start > 0 else ""
         after = "..." if end < len(self.text) else ""
-        shown = before + self.text[start:end].replace("\n", " ").replace("\t", " ") + after
+        # One sign a column: what would move the caret, or the terminal's cursor, is shown as a space.
+        shown = before + "".join(sign if sign.isprintable() else " " for sign in self.text[start:end]) + after
         caret = " " * (len(before) + self.position - start) + "^" * max(
             1, min(self.length, end - self.position)
         )
