@@ -1,0 +1,105 @@
+# From a clone to a plan: `make demo`. From a change to a green run: `make test`. All targets: `make help`.
+# Needs Python >= 3.10, make and g++ with C++20; everything else comes from PyPI into .venv.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMPS := .stamps
+JOBS ?= 2
+NATIVE := CMakeLists.txt $(wildcard native/*)
+PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check --no-input
+say = @printf '== %s\n' "$(1)"
+# The folder of the build, and its options.
+compile = mkdir -p $(1) && { $(BIN)/cmake -S . -B $(1) -G Ninja -DCMAKE_MAKE_PROGRAM="$(CURDIR)/$(BIN)/ninja" \
+  -DPython_EXECUTABLE="$(CURDIR)/$(BIN)/python" $(2) && $(BIN)/cmake --build $(1); } > $(1)/log || { cat $(1)/log; exit 1; }
+
+.DEFAULT_GOAL := build
+.DELETE_ON_ERROR:
+.PHONY: help build demo test lint types imports unit sanitize fuzz bench native clean
+
+help: ## this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-9s %s\n", $$1, $$2 }' Makefile
+
+# --- environment: each step leaves a stamp, so what is done is not done again ---
+
+$(STAMPS)/venv:
+	$(call say,environment in $(VENV))
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
+	  { echo 'mitlplan needs Python 3.10 or later; name one with: make PYTHON=/path/to/python3'; exit 1; }
+	@$(PYTHON) -m venv --clear $(VENV) > $(VENV).log 2>&1 || \
+	  { echo '$(PYTHON) cannot make a virtual environment (its module venv or ensurepip is missing);' \
+	    'install it, on Debian and Ubuntu with: apt install python3-venv'; rm -f $(VENV).log; exit 1; }
+	@rm -f $(VENV).log
+	@$(PIP) install --upgrade 'pip>=25.1'
+	@mkdir -p $(STAMPS) && touch $@
+
+$(STAMPS)/build: $(STAMPS)/venv pyproject.toml $(NATIVE)
+	$(call say,install mitlplan and compile its native half)
+	@$(PIP) install --editable '.[all]'
+	@touch $@
+
+$(STAMPS)/dev: $(STAMPS)/build pyproject.toml
+	$(call say,install the tools of development)
+	@$(PIP) install --group dev
+	@touch $@
+
+build: $(STAMPS)/build ## the package in .venv (the default)
+
+# --- use ---
+
+demo: build ## plan two example missions and keep plans and pictures in plans/
+	@mkdir -p plans
+	@for mission in paper/phi1 warehouse; do \
+	  printf '== mitlplan plan examples/%s.yaml\n' $$mission; \
+	  name=plans/$$(basename $$mission); \
+	  $(BIN)/mitlplan plan examples/$$mission.yaml && \
+	  $(BIN)/mitlplan plan examples/$$mission.yaml --format json --output $$name.json || exit 1; \
+	done
+	$(call say,kept in plans/)
+
+# --- checks ---
+
+test: lint types imports unit sanitize ## everything that must be green
+
+lint: $(STAMPS)/dev ## ruff: rules and format
+	$(call say,ruff)
+	@$(BIN)/ruff check --quiet
+	@$(BIN)/ruff format --quiet --check
+
+types: $(STAMPS)/dev ## mypy --strict
+	$(call say,mypy)
+	@$(BIN)/mypy --no-error-summary
+
+imports: $(STAMPS)/dev ## who may import whom
+	$(call say,import-linter)
+	@$(BIN)/lint-imports --no-cache > $(STAMPS)/imports.log || { cat $(STAMPS)/imports.log; exit 1; }
+
+unit: $(STAMPS)/dev ## pytest, with the examples in the docstrings
+	$(call say,pytest)
+	@$(BIN)/pytest --quiet -n $(JOBS)
+
+# The interpreter is not instrumented, so the runtimes of the sanitizers, and the C++ runtime whose exceptions they
+# watch, are loaded before it. It does not free everything at its end: leaks are not looked for.
+PRELOAD = $(foreach library,libasan.so libubsan.so libstdc++.so,$(shell $(CXX) -print-file-name=$(library)))
+
+$(STAMPS)/sanitize: $(STAMPS)/dev $(NATIVE)
+	$(call say,compile the native half with sanitizers)
+	@$(call compile,build/sanitize,-DMITLPLAN_SANITIZE=ON)
+	@touch $@
+
+sanitize: $(STAMPS)/sanitize ## the tests of the native half, under the address and undefined behaviour sanitizers
+	$(call say,pytest under sanitizers)
+	@LD_PRELOAD="$(PRELOAD)" ASAN_OPTIONS=detect_leaks=0 MITLPLAN_NATIVE=build/sanitize \
+	  $(BIN)/pytest --quiet -n $(JOBS) tests/native $(wildcard tests/search)
+
+fuzz: $(STAMPS)/dev ## many more random cases, until interrupted by a failure or done
+	@$(BIN)/pytest --quiet -n $(JOBS) --hypothesis-profile=fuzz --timeout=0 tests
+
+bench: build ## measure, and write docs/performance.md
+	@$(BIN)/python benchmarks/performance.py
+
+native: $(STAMPS)/dev ## compile the native half only, incrementally
+	@$(call compile,build/native,-DMITLPLAN_IN_SOURCE=ON)
+
+clean: ## forget everything that can be made again
+	rm -rf $(VENV) $(STAMPS) build dist plans src/mitlplan/_core*.so src/mitlplan/_core.pyi
