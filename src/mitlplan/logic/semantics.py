@@ -2,7 +2,7 @@
 
 It shares no code with the normal form, the translation and the search, so that a plan is never confirmed by
 the error that produced it. Every subformula becomes the set of times at which it *surely* holds, its negation
-the set at which it surely fails: one function, :meth:`_Judge.surely`, with the polarity as an argument.
+the set at which it surely fails: a negation turns every operator into its dual.
 
 On a signal that repeats the two are complements. On a signal that ends, nothing is known after `end` but what
 is true of every label, and truth is strong Kleene's: what surely holds, holds whatever follows. Horizon
@@ -12,13 +12,13 @@ from after `end` it must surely hold like everything else, so that ``F G p`` ask
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
 from math import lcm
 from operator import and_, or_
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from mitlplan.logic.formula import (
     Always,
@@ -107,7 +107,15 @@ def truth(
         raise ValueError(f"the horizon is infinite or finite, not {horizon!r}")
     if horizon == "finite" and signal.repeat_from is not None:
         raise ValueError("a signal that repeats has no end to which a finite horizon could refer")
-    return _Judge.of(formula, signal, until == "closed", horizon == "finite").verdict(formula)
+    judge = _Judge.of(formula, signal, closed_until=until == "closed", finite_horizon=horizon == "finite")
+    return judge.verdict(formula)
+
+
+class _Claim(NamedTuple):
+    """A formula or, if not positive, its negation."""
+
+    formula: Formula
+    positive: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,81 +127,69 @@ class _Judge:
     """
 
     axis: Axis
-    literals: dict[tuple[str, bool], IntervalSet]
+    literals: dict[_Claim, IntervalSet]
     unknown: IntervalSet
     closed_until: bool
     finite_horizon: bool
     memory: dict[tuple[int, bool], IntervalSet] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, formula: Formula, signal: Signal, closed_until: bool, finite_horizon: bool) -> _Judge:
-        nodes = [node for node, _ in _uses(formula)]
+    def of(cls, formula: Formula, signal: Signal, *, closed_until: bool, finite_horizon: bool) -> _Judge:
+        nodes = [part.formula for part in _parts(_Claim(formula))]
         axis = _axis(nodes, signal)
         unknown = IntervalSet.nothing(axis)
         if signal.repeat_from is None:
             unknown = IntervalSet(axis, (2 * axis.count(signal.end) + 1, 2 * axis.end))
         literals = {}
-        for name, held in _held({node.name for node in nodes if isinstance(node, Atom)}, signal, axis):
-            literals[name, True] = held
-            literals[name, False] = ~(held | unknown)
+        for atom, held in _held({node for node in nodes if isinstance(node, Atom)}, signal, axis):
+            literals[_Claim(atom)] = held
+            literals[_Claim(atom, positive=False)] = ~(held | unknown)
         return cls(axis, literals, unknown, closed_until, finite_horizon)
 
     def verdict(self, formula: Formula) -> IntervalSet:
-        """When `formula` surely holds, its parts first: so no depth of nesting overflows the stack."""
-        for part, positive in reversed(list(_uses(formula))):
-            self.surely(part, positive)
-        return self.surely(formula, True)
+        """When `formula` surely holds; its innermost parts first, so no nesting overflows the stack."""
+        for part in reversed(list(_parts(_Claim(formula)))):
+            self.surely(part)
+        return self.surely(_Claim(formula))
 
-    def surely(self, formula: Formula, positive: bool) -> IntervalSet:
-        """When `formula` (or, if not `positive`, its negation) surely holds."""
-        key = id(formula), positive
+    def surely(self, claim: _Claim) -> IntervalSet:
+        """When `claim` holds whatever is true where nothing is known."""
+        key = id(claim.formula), claim.positive
         if key not in self.memory:
-            self.memory[key] = self._evaluated(formula, positive)
+            self.memory[key] = self._evaluated(claim)
         return self.memory[key]
 
-    def _evaluated(self, formula: Formula, positive: bool) -> IntervalSet:
-        sides = [self.surely(part, sign) for part, sign in _operands(formula, positive)]
-        match formula:
+    def _evaluated(self, claim: _Claim) -> IntervalSet:
+        sides = [self.surely(operand) for operand in _operands(claim)]
+        # A negation turns every operator into its dual; the operands are negated already.
+        until, release = self._until, self._release
+        everything, nothing = IntervalSet.everything(self.axis), IntervalSet.nothing(self.axis)
+        either: Callable[[IntervalSet, IntervalSet], IntervalSet] = or_
+        if not claim.positive:
+            until, release, everything, nothing, either = release, until, nothing, everything, and_
+        match claim.formula:
             case Constant(value):
-                return self._constant(value is positive)
-            case Atom(name):
-                return self.literals[name, positive]
+                return everything if value else nothing
+            case Atom():
+                return self.literals[claim]
             case Not():
                 return sides[0]
-            case And() | Or() | Implies():
-                if _all_needed(formula, positive):
-                    return intersection(self.axis, sides)
-                return union(self.axis, sides) | self._known_of_every_label(formula, positive)
-            case Iff():
-                left, right, not_left, not_right = sides
-                if not positive:
-                    right, not_right = not_right, right
-                agreed = (left & right) | (not_left & not_right)
-                return agreed | self._known_of_every_label(formula, positive)
+            case And() | Or() | Implies() | Iff():
+                return self._junction(claim, sides)
             case Next():
                 return sides[0].eventually(_ONE_LATER)
             case Eventually(_, interval):
-                return self._until(positive, self._constant(positive), sides[0], interval)
+                return until(everything, sides[0], interval)
             case Always(_, interval):
-                return self._until(not positive, self._constant(not positive), sides[0], interval)
+                return release(nothing, sides[0], interval)
             case Until(_, _, interval):
-                return self._until(positive, sides[0], sides[1], interval)
+                return until(sides[0], sides[1], interval)
             case Release(_, _, interval):
-                return self._until(not positive, sides[0], sides[1], interval)
+                return release(sides[0], sides[1], interval)
             case WeakUntil():
-                ever = self._until(not positive, self._constant(not positive), sides[0], ALWAYS)
-                handed = self._until(positive, sides[0], sides[1], ALWAYS)
-                return ever | handed if positive else ever & handed
+                return either(release(nothing, sides[0], ALWAYS), until(sides[0], sides[1], ALWAYS))
 
-    def _constant(self, value: bool) -> IntervalSet:
-        return IntervalSet.everything(self.axis) if value else IntervalSet.nothing(self.axis)
-
-    def _until(
-        self, positive: bool, left: IntervalSet, right: IntervalSet, interval: Interval
-    ) -> IntervalSet:
-        """The until of the sides or, if not `positive`, its dual, the release."""
-        if not positive:
-            return self._release(left, right, interval)
+    def _until(self, left: IntervalSet, right: IntervalSet, interval: Interval) -> IntervalSet:
         return left.until(left & right if self.closed_until else right, interval)
 
     def _release(self, left: IntervalSet, right: IntervalSet, interval: Interval) -> IntervalSet:
@@ -205,47 +201,60 @@ class _Judge:
         until_end = ~(~left).until(~(right | self.unknown), interval)
         return sure | (until_end & ~self.unknown)
 
-    def _known_of_every_label(self, formula: Formula, positive: bool) -> IntervalSet:
-        """The times after the signal's end, if there some disjuncts hold whatever the label is."""
-        if self.unknown and _valid(list(_disjuncts(formula, positive))):
-            return self.unknown
-        return self._constant(False)
+    def _junction(self, claim: _Claim, sides: list[IntervalSet]) -> IntervalSet:
+        if _conjunctive(claim):
+            return intersection(self.axis, sides)
+        if isinstance(claim.formula, Iff):
+            sides = [sides[0] & sides[1], sides[2] & sides[3]]
+        if self.unknown and _true_of_every_label(claim):
+            sides.append(self.unknown)
+        return union(self.axis, sides)
 
 
-def _operands(formula: Formula, positive: bool) -> tuple[tuple[Formula, bool], ...]:
-    """The parts on which `formula` depends, each with the polarity in which it is needed."""
-    match formula:
+def _operands(claim: _Claim) -> tuple[_Claim, ...]:
+    """The parts on which `claim` depends, negated where it depends on their negation."""
+    positive = claim.positive
+    match claim.formula:
         case Constant() | Atom():
             return ()
         case Not(operand):
-            return ((operand, not positive),)
+            return (_Claim(operand, not positive),)
         case And(operands) | Or(operands):
-            return tuple((operand, positive) for operand in operands)
+            return tuple(_Claim(operand, positive) for operand in operands)
         case Implies(left, right):
-            return ((left, not positive), (right, positive))
+            return _Claim(left, not positive), _Claim(right, positive)
         case Iff(left, right):
-            return ((left, True), (right, True), (left, False), (right, False))
+            # Two pairs, one of which must hold.
+            agree = _Claim(left, positive=True), _Claim(right, positive)
+            return *agree, _Claim(left, positive=False), _Claim(right, not positive)
         case Eventually(operand) | Always(operand) | Next(operand):
-            return ((operand, positive),)
+            return (_Claim(operand, positive),)
         case Until(left, right) | Release(left, right) | WeakUntil(left, right):
-            return ((left, positive), (right, positive))
+            return _Claim(left, positive), _Claim(right, positive)
 
 
-def _all_needed(formula: Formula, positive: bool) -> bool:
-    """Whether a junction, or its negation if not `positive`, needs all its operands rather than one."""
-    return isinstance(formula, And) == positive
+def _conjunctive(claim: _Claim) -> bool:
+    """Whether a claim about a junction needs all its operands, not one."""
+    match claim.formula:
+        case And():
+            return claim.positive
+        case Or() | Implies():
+            return not claim.positive
+        case _:
+            return False
 
 
-def _uses(formula: Formula) -> Iterator[tuple[Formula, bool]]:
-    """Every part of `formula`, once for each polarity in which it is needed, wholes before their parts."""
-    waiting = [(formula, True)]
+def _parts(claim: _Claim) -> Iterator[_Claim]:
+    """The claim and all it depends on, each once, wholes before their parts."""
+    waiting = [claim]
     seen = set()
     while waiting:
-        part, positive = waiting.pop()
-        if (id(part), positive) not in seen:
-            seen.add((id(part), positive))
-            yield part, positive
-            waiting += _operands(part, positive)
+        part = waiting.pop()
+        key = id(part.formula), part.positive
+        if key not in seen:
+            seen.add(key)
+            yield part
+            waiting += _operands(part)
 
 
 def _axis(nodes: Iterable[Formula], signal: Signal) -> Axis:
@@ -253,13 +262,8 @@ def _axis(nodes: Iterable[Formula], signal: Signal) -> Axis:
     times = {segment.start for segment in signal.segments} | {signal.end, signal.repeat_from or Fraction(0)}
     for node in nodes:
         match node:
-            case (
-                Eventually(_, interval)
-                | Always(_, interval)
-                | Until(_, _, interval)
-                | Release(_, _, interval)
-            ):
-                times |= {interval.lower, interval.upper or Fraction(0)}
+            case Eventually() | Always() | Until() | Release():
+                times |= {node.interval.lower, node.interval.upper or Fraction(0)}
             case _:
                 pass
     ticks = lcm(*(time.denominator for time in times))
@@ -270,71 +274,57 @@ def _axis(nodes: Iterable[Formula], signal: Signal) -> Axis:
     return Axis(Fraction(1, ticks), int(signal.repeat_from * ticks), end)
 
 
-def _held(names: set[str], signal: Signal, axis: Axis) -> Iterator[tuple[str, IntervalSet]]:
-    """When each of `names` holds, as far as the signal is known."""
-    cuts: dict[str, list[int]] = {name: [] for name in names}
+def _held(atoms: set[Atom], signal: Signal, axis: Axis) -> Iterator[tuple[Atom, IntervalSet]]:
+    """When each of `atoms` holds, as far as the signal is known."""
+    cuts: dict[str, list[int]] = {atom.name: [] for atom in atoms}
     lows = [2 * axis.count(segment.start) for segment in signal.segments]
     end = 2 * axis.count(signal.end) + (signal.repeat_from is None)
     for segment, low, high in zip(signal.segments, lows, [*lows[1:], end], strict=True):
-        for name in segment.holds & names:
+        for name in segment.holds & cuts.keys():
             if cuts[name] and cuts[name][-1] == low:
-                cuts[name].pop()
+                cuts[name][-1] = high
             else:
-                cuts[name].append(low)
-            cuts[name].append(high)
-    for name, held in cuts.items():
-        yield name, IntervalSet(axis, tuple(held))
+                cuts[name] += (low, high)
+    for atom in atoms:
+        yield atom, IntervalSet(axis, tuple(cuts[atom.name]))
 
 
-def _disjuncts(formula: Formula, positive: bool) -> Iterator[tuple[Formula, bool]]:
-    """The operands of a disjunction, those of nested disjunctions in place of these."""
-    match formula:
-        case Not(operand):
-            yield from _disjuncts(operand, not positive)
-        case And() | Or() | Implies() if not _all_needed(formula, positive):
-            for part, sign in _operands(formula, positive):
-                yield from _disjuncts(part, sign)
-        case _:
-            yield formula, positive
-
-
-def _valid(disjuncts: list[tuple[Formula, bool]]) -> bool:
-    """Whether those of the `disjuncts` that have no temporal operator cover every label."""
-    present = [(part, sign) for part, sign in disjuncts if _propositional(part)]
-    names = {node.name for part, _ in present for node, _ in _uses(part) if isinstance(node, Atom)}
+def _true_of_every_label(claim: _Claim) -> bool:
+    """Whether those disjuncts of `claim` that have no temporal operator cover every label."""
+    present = [part for part in _disjuncts(claim) if _propositional(part)]
+    names = {node.name for claim in present for node, _ in _parts(claim) if isinstance(node, Atom)}
     if len(names) > _MOST_ATOMS:
         return False
-    # A row of a truth table is a bit: the column of the i-th atom has 2^i ones, 2^i zeros, and so on.
+    # A label is a bit: the table of the i-th atom has 2^i ones, 2^i zeros, 2^i ones, and so on.
     full = (1 << (1 << len(names))) - 1
-    columns = {name: full // ((1 << (1 << i)) + 1) for i, name in enumerate(sorted(names))}
-    covered = 0
-    for part, sign in present:
-        column = _column(part, columns, full)
-        covered |= column if sign else full ^ column
-    return covered == full
+    tables = {name: full // ((1 << (1 << i)) + 1) for i, name in enumerate(sorted(names))}
+    return reduce(or_, (_table(part, tables, full) for part in present), 0) == full
 
 
-def _propositional(formula: Formula) -> bool:
-    return all(isinstance(part, (Constant, Atom, Not, And, Or, Implies, Iff)) for part, _ in _uses(formula))
-
-
-def _column(formula: Formula, columns: dict[str, int], full: int) -> int:
-    """The truth table of a formula without temporal operators."""
-    parts = [_column(part, columns, full) for part, _ in _operands(formula, True)]
-    match formula:
-        case Constant(value):
-            return full if value else 0
-        case Atom(name):
-            return columns[name]
-        case Not():
-            return full ^ parts[0]
-        case And():
-            return reduce(and_, parts, full)
-        case Or():
-            return reduce(or_, parts, 0)
-        case Implies():
-            return (full ^ parts[0]) | parts[1]
-        case Iff():
-            return full ^ parts[0] ^ parts[1]
+def _disjuncts(claim: _Claim) -> Iterator[_Claim]:
+    """The operands of a disjunction, those of nested disjunctions in place of these."""
+    match claim.formula:
+        case Not() | And() | Or() | Implies() if not _conjunctive(claim):
+            for operand in _operands(claim):
+                yield from _disjuncts(operand)
         case _:
-            raise ValueError("a temporal operator has no truth table")
+            yield claim
+
+
+def _propositional(claim: _Claim) -> bool:
+    present = Constant, Atom, Not, And, Or, Implies, Iff
+    return all(isinstance(part.formula, present) for part in _parts(claim))
+
+
+def _table(claim: _Claim, tables: dict[str, int], full: int) -> int:
+    """The labels of which a claim without temporal operators is true."""
+    sides = [_table(operand, tables, full) for operand in _operands(claim)]
+    match claim.formula:
+        case Constant(value):
+            return full if value is claim.positive else 0
+        case Atom(name):
+            return tables[name] if claim.positive else full ^ tables[name]
+        case Iff():
+            return (sides[0] & sides[1]) | (sides[2] & sides[3])
+        case _:
+            return reduce(and_, sides, full) if _conjunctive(claim) else reduce(or_, sides, 0)
