@@ -52,7 +52,9 @@ def exact(value: Number) -> Fraction:
 def _fraction(value: object) -> Fraction:
     match value:
         case bool() | float():
-            raise ValueError(f"{value} is not an exact number; write it as a text or a Fraction, such as '0.1'")
+            raise ValueError(
+                f"{value} is not an exact number; write it as a text or a Fraction, such as '0.1'"
+            )
         case int() | Fraction():
             return Fraction(value)
         case Decimal() if value.is_finite() and abs(value.adjusted()) <= _LONGEST:

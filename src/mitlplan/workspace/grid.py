@@ -1,9 +1,9 @@
 """Grids: square cells in rows and columns, some of them blocked.
 
-Cells are called ``r{row}c{column}``, row 0 at the top; a blocked cell is no cell of the workspace at all, but the
-others keep their names. A grid is a matrix of terrain: moves join neighbours of the same terrain, so that one
-construction serves plain grids and maps with water. Everything is done on whole arrays at once, for maps of
-hundreds of thousands of cells.
+Cells are called ``r{row}c{column}``, row 0 at the top; a blocked cell is no cell of the workspace at all, but
+the others keep their names. A grid is a matrix of terrain: moves join neighbours of the same terrain, so that
+one construction serves plain grids and maps with water. Everything is done on whole arrays at once, for maps
+of hundreds of thousands of cells.
 """
 
 from __future__ import annotations
@@ -172,14 +172,16 @@ def _steps(
     if neighbours == 4:
         if diagonal_time is not None:
             raise WorkspaceError(
-                "diagonal_time needs neighbours: 8; with 4 there is no diagonal move", where=("diagonal_time",)
+                "diagonal_time needs neighbours: 8; with 4 there is no diagonal move",
+                where=("diagonal_time",),
             )
         return _STRAIGHT, np.zeros(4, dtype=np.int32), stays
     if neighbours != 8:
         raise WorkspaceError(f"neighbours is 4 or 8, not {neighbours}", where=("neighbours",))
     if diagonal_time is None:
         raise WorkspaceError(
-            "neighbours: 8 needs a diagonal_time, for example 1.414 with a move_time of 1", where=("neighbours",)
+            "neighbours: 8 needs a diagonal_time, for example 1.414 with a move_time of 1",
+            where=("neighbours",),
         )
     stays.append(_stays(diagonal_time, "diagonal_time"))
     diagonal = np.array([int(down != 0 and right != 0) for down, right in _ALL_AROUND], dtype=np.int32)
@@ -222,4 +224,3 @@ def _shifted(terrain: NDArray[np.uint8], step: tuple[int, int]) -> NDArray[np.ui
 def _centres(place: NDArray[np.int64], shape: tuple[int, ...]) -> NDArray[np.float64]:
     row, column = np.divmod(place, shape[1])
     return np.stack([column + 0.5, shape[0] - row - 0.5], axis=1)
-

@@ -2,8 +2,8 @@
 
 The format: ``type octile``, ``height``, ``width``, ``map``, then a letter a cell, the upper left one first.
 ``.`` and ``G`` are ground, ``S`` swamp, passable from ground, so of the same terrain here; ``@``, ``O`` and
-``T`` are blocked. ``W`` is water, which the format calls "traversable, but not passable from terrain": we read
-this as a terrain of its own, with moves from water to water and none between water and land either way.
+``T`` are blocked. ``W`` is water, which the format calls "traversable, but not passable from terrain": it is
+read as a terrain of its own, with moves from water to water and none between water and land either way.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def movingai(
     Raises
     ------
     WorkspaceError
-        If the file cannot be read or is no such map, with the line; or as :func:`~mitlplan.workspace.grid.grid`.
+        If the file cannot be read or is no such map, with the line; or as for a grid.
     """
     terrain = read_terrain(Path(file))
     return on_terrain(
@@ -87,7 +87,9 @@ def read_terrain(file: Path) -> NDArray[np.uint8]:
     terrain = _TERRAIN[letters]
     for row, column in np.argwhere(terrain == _UNKNOWN)[:1]:
         letter = chr(letters[row, column])
-        raise _fault(file, row + 5, f"{letter!r} in column {column} is no terrain; the letters are . G S W @ O T")
+        raise _fault(
+            file, row + 5, f"{letter!r} in column {column} is no terrain; the letters are . G S W @ O T"
+        )
     return terrain
 
 
@@ -98,7 +100,9 @@ def _read(file: Path) -> bytes:
     except OSError as error:
         raise WorkspaceError(f"cannot read the map {file}: {error.strerror}", where=("file",)) from None
     if len(content) > _MOST_BYTES:
-        raise WorkspaceError(f"the map {file} is too large; at most {MOST_CELLS} cells are read", where=("file",))
+        raise WorkspaceError(
+            f"the map {file} is too large; at most {MOST_CELLS} cells are read", where=("file",)
+        )
     return content
 
 

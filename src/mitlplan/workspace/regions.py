@@ -1,7 +1,7 @@
 """Regions of grid-like maps: which cells carry which propositions.
 
-A region is a list of cells and boxes. A cell that is named must be on the map and free, since a blocked one is
-surely a slip (often row and column swapped); a box may cover blocked cells, and only its free cells count.
+A region is a list of cells and boxes. A cell that is named must be on the map and free, since a blocked one
+is surely a slip (often row and column swapped); a box may cover blocked cells: only its free cells count.
 """
 
 from __future__ import annotations

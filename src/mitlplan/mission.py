@@ -1,0 +1,337 @@
+"""The mission: a map, a robot on it, and what the robot has to do by when.
+
+A mission file is untrusted and written by people, so each error is a sentence with file, line and column,
+says what is wrong and offers the nearest thing that would be right. The way is: text with places
+(:mod:`mitlplan.document`), its shape (:mod:`mitlplan.mission_schema`), then the map and the formulas, each
+built by the function that anybody may call without a file.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+from pydantic import ValidationError
+
+from mitlplan.document import Document, Fault, read_document
+from mitlplan.errors import FormulaError, WorkspaceError
+from mitlplan.logic.formula import (
+    Always,
+    And,
+    Atom,
+    Constant,
+    Eventually,
+    Formula,
+    Iff,
+    Implies,
+    Next,
+    Not,
+    Or,
+    Release,
+    Until,
+    WeakUntil,
+)
+from mitlplan.logic.parse import parse
+from mitlplan.mission_schema import (
+    BoxKeys,
+    GraphKeys,
+    GridKeys,
+    MissionKeys,
+    MovingaiKeys,
+    Region,
+    SquaresKeys,
+    WorkspaceKeys,
+    faults,
+)
+from mitlplan.workspace import Box, Move, Workspace, graph, grid, movingai
+from mitlplan.workspace.names import advise
+from mitlplan.workspace.regions import Part
+
+Horizon: TypeAlias = Literal["infinite", "finite"]
+UntilKind: TypeAlias = Literal["standard", "closed"]
+
+ONLY_REQUIREMENT = "spec"
+"""The name of the requirement where the file gives a single one without a name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Requirement:
+    """One of the formulas that a mission demands, as it was written and as it was read."""
+
+    name: str
+    text: str
+    formula: Formula
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Mission:
+    """What is to be planned.
+
+    Parameters
+    ----------
+    workspace
+        The robot's world.
+    start
+        The index of the cell in which the robot starts.
+    spec
+        The requirements, all of which must hold.
+    horizon, until
+        How the requirements are read (docs: semantics, sections 2 and 3).
+    epsilon
+        Seconds within which a plan comes to a least makespan that none attains.
+    source
+        The file that it was read from, if any.
+    warnings
+        Sentences on what is legal and surely not meant.
+    """
+
+    workspace: Workspace
+    start: int
+    spec: tuple[Requirement, ...]
+    horizon: Horizon = "infinite"
+    until: UntilKind = "standard"
+    epsilon: Fraction = Fraction(1, 1000)
+    source: Path | None = None
+    warnings: tuple[str, ...] = ()
+
+
+def read(
+    file: str | Path,
+    *,
+    horizon: Horizon | None = None,
+    until: UntilKind | None = None,
+    epsilon: Fraction | None = None,
+) -> Mission:
+    """Read a mission file, YAML or (if it is called ``.json``) JSON.
+
+    Parameters
+    ----------
+    file
+        Where it is; paths in it are relative to its folder.
+    horizon, until, epsilon
+        Take the place of what the file says.
+
+    Raises
+    ------
+    MissionError
+        If the file, its map or its formulas cannot be read: one sentence with the place and a remedy.
+    """
+    source = Path(file)
+    keys, document = _keys(read_document(source))
+    return _mission(_overridden(keys, horizon, until, epsilon), document, source.parent, source)
+
+
+def mission_from_mapping(data: Mapping[str, Any], *, folder: str | Path = ".") -> Mission:
+    """Make a mission of the data that a mission file would hold.
+
+    Parameters
+    ----------
+    data
+        The keys of a mission file; numbers as whole numbers, fractions, decimals or texts, never floats.
+    folder
+        What paths in it are relative to.
+
+    Raises
+    ------
+    MissionError
+        As :func:`read`, without line and column.
+
+    Examples
+    --------
+    >>> mission = mission_from_mapping({
+    ...     "mitlplan": 1,
+    ...     "workspace": {"grid": {"rows": 2, "columns": 2, "regions": {"A": [[1, 0]]}}},
+    ...     "robot": {"start": [0, 0]},
+    ...     "spec": "F[0,2] A",
+    ... })
+    >>> mission.workspace.names[mission.start], mission.spec[0].text
+    ('r0c0', 'F[0,2] A')
+    """
+    keys, document = _keys(Document(data))
+    return _mission(keys, document, Path(folder), None)
+
+
+def schema() -> dict[str, Any]:
+    """The JSON Schema of mission files, for editors.
+
+    Examples
+    --------
+    >>> schema()["title"]
+    'mitlplan mission'
+    """
+    found = MissionKeys.model_json_schema(by_alias=True)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found, "title": "mitlplan mission"}
+
+
+def _keys(document: Document) -> tuple[MissionKeys, Document]:
+    try:
+        return MissionKeys.model_validate(document.data), document
+    except ValidationError as error:
+        raise document.error(*faults(error, document.data)) from None
+
+
+def _overridden(
+    keys: MissionKeys, horizon: Horizon | None, until: UntilKind | None, epsilon: Fraction | None
+) -> MissionKeys:
+    given = {"horizon": horizon, "until": until, "epsilon": epsilon}
+    return keys.model_copy(update={key: value for key, value in given.items() if value is not None})
+
+
+def _mission(keys: MissionKeys, document: Document, folder: Path, source: Path | None) -> Mission:
+    kind, kind_keys = _kind(keys.workspace)
+    workspace = _workspace(kind_keys, document, folder, ("workspace", kind))
+    _check_propositions(workspace, kind_keys.propositions, document, ("workspace", kind))
+    known = sorted(workspace.propositions.union(kind_keys.propositions))
+    return Mission(
+        workspace=workspace,
+        start=_start(keys.robot.start, workspace, document),
+        spec=tuple(_requirements(keys.spec, known, document)),
+        horizon=keys.horizon,
+        until=keys.until,
+        epsilon=keys.epsilon,
+        source=source,
+    )
+
+
+# ---------------------------------------------------------------------------------------------- the workspace
+
+
+def _kind(keys: WorkspaceKeys) -> tuple[str, GraphKeys | GridKeys | MovingaiKeys]:
+    for kind, found in (("graph", keys.graph), ("grid", keys.grid), ("movingai", keys.movingai)):
+        if found is not None:
+            return kind, found
+    raise AssertionError("the schema lets exactly one kind pass")
+
+
+def _workspace(
+    keys: GraphKeys | GridKeys | MovingaiKeys, document: Document, folder: Path, path: tuple[str, str]
+) -> Workspace:
+    try:
+        match keys:
+            case GraphKeys():
+                moves = (Move(move.origin, move.target, move.time, move.both) for move in keys.moves)
+                return graph(keys.cells, moves, waiting=keys.waiting)
+            case GridKeys():
+                blocked = [_part(part) for part in keys.blocked]
+                return grid(keys.rows, keys.columns, blocked=blocked, **_squares(keys))
+            case MovingaiKeys():
+                return movingai(folder / keys.file, **_squares(keys))
+    except WorkspaceError as error:
+        raise document.error(Fault(str(error), (*path, *error.where))) from None
+
+
+def _squares(keys: SquaresKeys) -> dict[str, Any]:
+    return {
+        "move_time": keys.move_time,
+        "waiting": keys.waiting,
+        "regions": {name: _region(region) for name, region in keys.regions.items()},
+        "neighbours": keys.neighbours,
+        "diagonal_time": keys.diagonal_time,
+    }
+
+
+def _region(region: Region) -> Box | list[Part]:
+    return _box(region) if isinstance(region, BoxKeys) else [_part(part) for part in region]
+
+
+def _part(part: BoxKeys | tuple[int, int]) -> Part:
+    return _box(part) if isinstance(part, BoxKeys) else part
+
+
+def _box(box: BoxKeys) -> Box:
+    return Box(box.rows, box.columns)
+
+
+def _check_propositions(
+    workspace: Workspace, declared: Sequence[str], document: Document, path: tuple[str, str]
+) -> None:
+    """Refuse a proposition that no formula could name."""
+    for name in sorted(workspace.propositions.union(declared)):
+        if not _can_be_named(name):
+            problem = (
+                f"the proposition {name!r} cannot stand in a formula; a name is a letter followed by "
+                "letters, digits, _ and ., and is no operator"
+            )
+            raise document.error(Fault(problem, path, None), Fault(problem, (*path, "regions"), name))
+
+
+def _can_be_named(name: str) -> bool:
+    try:
+        return parse(name) == Atom(name)
+    except FormulaError:
+        return False
+
+
+def _start(start: str | tuple[int, int], workspace: Workspace, document: Document) -> int:
+    name = start if isinstance(start, str) else f"r{start[0]}c{start[1]}"
+    index = workspace.index_of(name)
+    if index is None:
+        problem = f"no cell is called {name}; {workspace.advise(name)}"
+        raise document.error(Fault(problem, ("robot", "start")))
+    return index
+
+
+# ------------------------------------------------------------------------------------------- the requirements
+
+
+def _requirements(
+    spec: str | Mapping[str, str], known: Sequence[str], document: Document
+) -> Iterator[Requirement]:
+    if isinstance(spec, str):
+        yield _requirement(ONLY_REQUIREMENT, spec, known, document, ("spec",))
+        return
+    if not spec:
+        raise document.error(Fault("there is no requirement; write a formula or name: formula", ("spec",)))
+    for name, text in spec.items():
+        yield _requirement(name, text, known, document, ("spec", name))
+
+
+def _requirement(
+    name: str, text: str, known: Sequence[str], document: Document, path: tuple[str, ...]
+) -> Requirement:
+    try:
+        formula = parse(text)
+        _check_atoms(formula, text, known)
+    except FormulaError as error:
+        raise document.error(Fault(str(error), path)) from None
+    return Requirement(name, text, formula)
+
+
+def _check_atoms(formula: Formula, text: str, known: Sequence[str]) -> None:
+    """Refuse a proposition that nothing on the map carries: legal logic, and nearly always a slip."""
+    for name in _atoms(formula):
+        if name not in known:
+            place = re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", text)
+            raise FormulaError(
+                f"No cell carries the proposition {name}.",
+                text,
+                place.start() if place else 0,
+                length=len(name),
+                hint=f"{advise(name, known, 'propositions')} (or list it as one of the map's propositions)",
+            )
+
+
+def _atoms(formula: Formula) -> Iterator[str]:
+    match formula:
+        case Constant():
+            return
+        case Atom(name):
+            yield name
+        case Not(operand) | Next(operand) | Eventually(operand) | Always(operand):
+            yield from _atoms(operand)
+        case And(operands) | Or(operands):
+            for operand in operands:
+                yield from _atoms(operand)
+        case (
+            Implies(left, right)
+            | Iff(left, right)
+            | Until(left, right)
+            | Release(left, right)
+            | WeakUntil(left, right)
+        ):
+            yield from _atoms(left)
+            yield from _atoms(right)

@@ -1,0 +1,325 @@
+"""The shape of a mission file, as pydantic models; the JSON Schema for editors comes from here too.
+
+The models check shape and kind only. What needs the map (is that cell on it, is there such a proposition) is
+checked where the workspace is built, so every rule is written once. Pydantic's own wording is for
+programmers; :func:`faults` says the same for people, with the nearest known key where one was mistyped.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    PlainValidator,
+    Tag,
+    ValidationError,
+    WithJsonSchema,
+    model_validator,
+)
+from pydantic_core import ErrorDetails, PydanticCustomError
+
+from mitlplan.document import Fault
+from mitlplan.exact import PATTERN, exact
+
+NOT_YET_KINDS = ("occupancy", "route_graph", "polygons")
+NOT_YET_ROBOT = ("heading", "speed", "turn_rate", "radius")
+
+_NUMBER_SCHEMA: dict[str, Any] = {
+    "anyOf": [{"type": "number", "minimum": 0}, {"type": "string", "pattern": PATTERN}]
+}
+
+
+_WHOLE_SCHEMA: dict[str, Any] = {"type": "integer", "minimum": 0}
+_PAIR_SCHEMA: dict[str, Any] = {"type": "array", "items": _WHOLE_SCHEMA, "minItems": 2, "maxItems": 2}
+
+
+def _whole(value: object) -> int:
+    """A whole number, given as one or as its text; never longer than any map is wide."""
+    if isinstance(value, str) and value.isascii() and value.isdigit() and len(value) <= 9:
+        return int(value)
+    if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
+        return value
+    raise ValueError(f"a whole number from 0 is expected, not {shorten(value)}")
+
+
+def _pair(value: object) -> tuple[int, int] | None:
+    match value:
+        case str() | Mapping():
+            return None
+        case [first, last]:
+            return _whole(first), _whole(last)
+    return None
+
+
+def _cell(value: object) -> tuple[int, int]:
+    cell = _pair(value)
+    if cell is None:
+        raise ValueError(
+            f"a cell [row, column] is expected, not {shorten(value)}; a list of one cell is [[row, column]]"
+        )
+    return cell
+
+
+def _stretch(value: object) -> tuple[int, int]:
+    stretch = _pair(value)
+    if stretch is None:
+        raise ValueError(f"[first, last] is expected, not {shorten(value)}; both belong to the box")
+    return stretch
+
+
+def _tolerance(value: object) -> Fraction:
+    tolerance = exact(value)  # type: ignore[arg-type]  # exact refuses what is no number
+    if tolerance == 0:
+        raise ValueError("a positive number is expected, such as 1/1000")
+    return tolerance
+
+
+def _flag(value: object) -> bool:
+    match value:
+        case bool():
+            return value
+        case "true" | "false":
+            return value == "true"
+    raise ValueError(f"true or false is expected, not {shorten(value)}")
+
+
+def _name(value: object) -> str:
+    if isinstance(value, str) and value:
+        return value
+    raise ValueError(f"a name is expected, not {shorten(value)}" if value else "a name is missing")
+
+
+Whole = Annotated[int, PlainValidator(_whole), WithJsonSchema(_WHOLE_SCHEMA)]
+Cell = Annotated[tuple[int, int], PlainValidator(_cell), WithJsonSchema(_PAIR_SCHEMA)]
+Stretch = Annotated[tuple[int, int], PlainValidator(_stretch), WithJsonSchema(_PAIR_SCHEMA)]
+Flag = Annotated[bool, PlainValidator(_flag), WithJsonSchema({"type": "boolean"})]
+Name = Annotated[str, PlainValidator(_name), WithJsonSchema({"type": "string", "minLength": 1})]
+Tolerance = Annotated[Fraction, PlainValidator(_tolerance), WithJsonSchema(_NUMBER_SCHEMA)]
+# Read by the workspace's builder, which knows what a move's time may be.
+Time = Annotated[
+    Any,
+    WithJsonSchema(
+        {
+            "anyOf": [
+                *_NUMBER_SCHEMA["anyOf"],
+                {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 2, "maxItems": 2},
+            ]
+        }
+    ),
+]
+
+
+class Keys(BaseModel):
+    """A mapping with fixed keys."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=False)
+    not_yet: ClassVar[tuple[str, ...]] = ()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, data: Any) -> Any:
+        if not isinstance(data, Mapping):
+            example = {"keys": ", ".join(f"{key}: ..." for key in list(cls._keys())[:2])}
+            raise PydanticCustomError("shape", "keys with values are expected, such as {keys}", example)
+        known = cls._keys()
+        for key in data:
+            if key in cls.not_yet:
+                raise PydanticCustomError("key", "'{key}' is not yet supported; leave it out", {"key": key})
+            if key not in known:
+                advice = _advise_key(str(key), known)
+                raise PydanticCustomError(
+                    "key", "unknown key '{key}'; {advice}", {"key": key, "advice": advice}
+                )
+        for key, field in known.items():
+            if field and key not in data:
+                raise PydanticCustomError("shape", "the key '{key}' is missing", {"key": key})
+        return data
+
+    @classmethod
+    def _keys(cls) -> dict[str, bool]:
+        """Each key as it is written in the file, and whether it is required."""
+        return {field.alias or name: field.is_required() for name, field in cls.model_fields.items()}
+
+
+def _advise_key(key: str, known: Mapping[str, bool]) -> str:
+    close = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
+    return f"did you mean '{close[0]}'?" if close else f"the keys here are {', '.join(known)}"
+
+
+class BoxKeys(Keys):
+    """A box of cells, both ends included."""
+
+    rows: Stretch
+    columns: Stretch
+
+
+def _part_kind(value: object) -> str:
+    return "box" if isinstance(value, (Mapping, BoxKeys)) else "cell"
+
+
+def _region_kind(value: object) -> str:
+    return "box" if isinstance(value, (Mapping, BoxKeys)) else "list"
+
+
+Part = Annotated[Annotated[Cell, Tag("cell")] | Annotated[BoxKeys, Tag("box")], Discriminator(_part_kind)]
+Region = Annotated[
+    Annotated[list[Part], Tag("list")] | Annotated[BoxKeys, Tag("box")], Discriminator(_region_kind)
+]
+
+
+class MoveKeys(Keys):
+    """A move between two cells; `time` is exact or [least, most], and 0 means any positive stay."""
+
+    origin: Name = Field(alias="from")
+    target: Name = Field(alias="to")
+    time: Time
+    both: Flag = False
+
+
+class KindKeys(Keys):
+    """What every kind of workspace has."""
+
+    waiting: Flag = False
+    propositions: list[Name] = Field(
+        default=[], description="Propositions that formulas may name although no region carries them."
+    )
+
+
+class GraphKeys(KindKeys):
+    """Named cells with their propositions, and the moves between them."""
+
+    cells: dict[Name, list[Name]]
+    moves: list[MoveKeys] = []
+
+
+class SquaresKeys(KindKeys):
+    """What the kinds made of square cells have."""
+
+    move_time: Time = 1
+    neighbours: Annotated[Whole, WithJsonSchema({"enum": [4, 8]})] = 4
+    diagonal_time: Time = None
+    regions: dict[Name, Region] = {}
+
+
+class GridKeys(SquaresKeys):
+    """A grid; cells are called r{row}c{column}, row 0 at the top."""
+
+    rows: Whole
+    columns: Whole
+    blocked: list[Part] = []
+
+
+class MovingaiKeys(SquaresKeys):
+    """A map of the MovingAI benchmarks; the path is relative to the mission file."""
+
+    file: Name
+
+
+class WorkspaceKeys(Keys):
+    """The map: exactly one kind."""
+
+    model_config = ConfigDict(json_schema_extra={"minProperties": 1, "maxProperties": 1})
+    not_yet = NOT_YET_KINDS
+
+    graph: GraphKeys | None = None
+    grid: GridKeys | None = None
+    movingai: MovingaiKeys | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_kind(cls, data: Any) -> Any:
+        if isinstance(data, Mapping) and len(data) != 1:
+            given = f", not {len(data)} ({', '.join(map(str, data))})" if data else ""
+            raise PydanticCustomError(
+                "shape",
+                "exactly one kind of workspace is expected: graph, grid or movingai{given}",
+                {"given": given},
+            )
+        return data
+
+
+def _start_kind(value: object) -> str:
+    return "name" if isinstance(value, str) else "cell"
+
+
+class RobotKeys(Keys):
+    """The robot: where it starts, as a cell's name or [row, column]."""
+
+    not_yet = NOT_YET_ROBOT
+
+    start: Annotated[Annotated[Name, Tag("name")] | Annotated[Cell, Tag("cell")], Discriminator(_start_kind)]
+
+
+def _spec_kind(value: object) -> str:
+    return "named" if isinstance(value, Mapping) else "one"
+
+
+class MissionKeys(Keys):
+    """A mission: a map, a robot on it, and what the robot has to do, when."""
+
+    version: Literal["1", 1] = Field(alias="mitlplan", description="The version of the format.")
+    workspace: WorkspaceKeys
+    robot: RobotKeys
+    spec: Annotated[
+        Annotated[Name, Tag("one")] | Annotated[dict[Name, Name], Tag("named")], Discriminator(_spec_kind)
+    ]
+    horizon: Literal["infinite", "finite"] = "infinite"
+    until: Literal["standard", "closed"] = "standard"
+    epsilon: Tolerance = Field(
+        default=Fraction(1, 1000),
+        description="Seconds within which a plan comes to a least makespan that none attains.",
+        json_schema_extra={"default": "1/1000"},
+    )
+
+
+def faults(error: ValidationError, data: object) -> Iterator[Fault]:
+    """What a validation of `data` found, in sentences."""
+    for detail in error.errors(include_url=False):
+        key = str(detail.get("ctx", {}).get("key", "")) or None
+        if detail["loc"][-1:] == ("[key]",):
+            key = str(detail["loc"][-2])
+        yield Fault(_sentence(detail), _path(detail["loc"], data), key)
+
+
+def _path(loc: tuple[str | int, ...], data: object) -> tuple[str | int, ...]:
+    """`loc` without what stands for a branch of a union, where the data has no level."""
+    path: list[str | int] = []
+    for step in loc:
+        match data, step:
+            case Mapping(), _ if step in data:
+                data = data[step]
+            case Sequence(), int() if step < len(data):
+                data = data[step]
+            case _:
+                continue
+        path.append(step)
+    return tuple(path)
+
+
+def _sentence(detail: ErrorDetails) -> str:
+    given = shorten(detail["input"])
+    context = detail.get("ctx", {})
+    match detail["type"]:
+        case "value_error":
+            return str(context["error"])
+        case "literal_error":
+            return f"{context['expected']} is expected, not {given}"
+        case "list_type":
+            return f"a list is expected, not {given}"
+        case "dict_type" | "mapping_type":
+            return f"names with values are expected, not {given}"
+        case _:
+            return detail["msg"]
+
+
+def shorten(value: object) -> str:
+    """A value as Python writes it, cut short."""
+    text = repr(value)
+    return text if len(text) <= 40 else f"{text[:37]}..."
