@@ -60,7 +60,7 @@ class Interval:
         """Whether the interval is ``[0,inf)``, the one that is left out when written."""
         return self.lower == 0 and not self.lower_open and self.upper is None
 
-    def __contains__(self, time: Fraction) -> bool:
+    def __contains__(self, time: Fraction | int) -> bool:
         above = time > self.lower if self.lower_open else time >= self.lower
         if self.upper is None:
             return above
