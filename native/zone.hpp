@@ -41,7 +41,8 @@ constexpr std::size_t entry(int dimension, int i, int j) noexcept {
     return static_cast<std::size_t>(i) * static_cast<std::size_t>(dimension) + static_cast<std::size_t>(j);
 }
 
-inline bool empty(std::span<const Bound> zone) noexcept { return zone[0] < zero_bound; }
+/// Not named `empty`: a call on a span would silently mean std::empty.
+inline bool is_empty(std::span<const Bound> zone) noexcept { return zone[0] < zero_bound; }
 
 inline void mark_empty(std::span<Bound> zone) noexcept { std::ranges::fill(zone, Bound{less(0)}); }
 
@@ -76,7 +77,7 @@ inline bool close(std::span<Bound> zone, int dimension) {
 
 /// Adds x_i - x_j ~ bound; false, and the empty zone, if nothing is left. O(n^2).
 inline bool constrain(std::span<Bound> zone, int dimension, int i, int j, Bound bound) {
-    if (empty(zone)) return false;
+    if (is_empty(zone)) return false;
     if (bound >= zone[entry(dimension, i, j)]) return true;
     if (add(bound, zone[entry(dimension, j, i)]) < zero_bound) return mark_empty(zone), false;
     // A shortest path uses the new edge at most once: k to i, the edge, j to l. Row j and column i, which are
@@ -93,7 +94,7 @@ inline bool constrain(std::span<Bound> zone, int dimension, int i, int j, Bound 
 
 /// Time passes, possibly none: { v + d | v in zone, d >= 0 }.
 inline void up(std::span<Bound> zone, int dimension) noexcept {
-    if (empty(zone)) return;
+    if (is_empty(zone)) return;
     for (int i = 1; i < dimension; ++i) zone[entry(dimension, i, 0)] = infinity;
 }
 
@@ -105,7 +106,7 @@ inline void up(std::span<Bound> zone, int dimension) noexcept {
 /// Closed: a path into 0 is now infinite, so only D'[0][j] <= D'[0][i] + D[i][j] can fail. Old closure gives it for
 /// the values; where these are equal the left side, being strict, is the smallest bound with that value.
 inline void up_strict(std::span<Bound> zone, int dimension) noexcept {
-    if (empty(zone)) return;
+    if (is_empty(zone)) return;
     for (int i = 1; i < dimension; ++i) {
         zone[entry(dimension, i, 0)] = infinity;
         zone[entry(dimension, 0, i)].code &= ~std::int64_t{1};
@@ -115,7 +116,7 @@ inline void up_strict(std::span<Bound> zone, int dimension) noexcept {
 /// x_i := value, which is >= 0. O(n).
 inline void reset(std::span<Bound> zone, int dimension, int i, Ticks value = 0) {
     assert(0 < i && i < dimension && 0 <= value);
-    if (empty(zone)) return;
+    if (is_empty(zone)) return;
     const Bound above = less_equal(value);
     const Bound below = less_equal(-value);
     for (int j = 0; j < dimension; ++j) {
@@ -128,7 +129,7 @@ inline void reset(std::span<Bound> zone, int dimension, int i, Ticks value = 0) 
 /// Forgets x_i: any value >= 0. O(n).
 inline void free(std::span<Bound> zone, int dimension, int i) noexcept {
     assert(0 < i && i < dimension);
-    if (empty(zone)) return;
+    if (is_empty(zone)) return;
     for (int j = 0; j < dimension; ++j) {
         if (j == i) continue;
         zone[entry(dimension, i, j)] = infinity;
@@ -139,7 +140,7 @@ inline void free(std::span<Bound> zone, int dimension, int i) noexcept {
 /// Whether every valuation of `inner` is one of `outer`. O(n^2), and mostly much less.
 inline bool includes(std::span<const Bound> outer, std::span<const Bound> inner) noexcept {
     assert(outer.size() == inner.size());
-    if (empty(inner)) return true;
+    if (is_empty(inner)) return true;
     for (std::size_t k = 0; k < outer.size(); ++k)
         if (outer[k] < inner[k]) return false;
     return true;
@@ -157,7 +158,7 @@ inline bool intersect(std::span<Bound> zone, std::span<const Bound> other, int d
         zone[k] = other[k];
         changed = true;
     }
-    if (empty(zone)) return mark_empty(zone), false;
+    if (is_empty(zone)) return mark_empty(zone), false;
     return !changed || close(zone, dimension);
 }
 
@@ -168,7 +169,7 @@ inline bool intersect(std::span<Bound> zone, std::span<const Bound> other, int d
 /// lower[0] and upper[0] are not read. Returns whether the zone has grown.
 inline bool extrapolate_lu_plus(std::span<Bound> zone, int dimension, std::span<const Ticks> lower,
                                 std::span<const Ticks> upper) {
-    if (empty(zone)) return false;
+    if (is_empty(zone)) return false;
     bool changed = false;
     const auto loosen = [&changed](Bound& bound, Bound looser) noexcept {
         changed |= bound != looser;
@@ -245,7 +246,7 @@ public:
     Bound upper(int i) const noexcept { return at(i, 0); }
     /// The bound on 0 - x_i: its value is the least value of x_i, negated.
     Bound lower(int i) const noexcept { return at(0, i); }
-    bool empty() const noexcept { return dbm::empty(matrix_); }
+    bool empty() const noexcept { return dbm::is_empty(matrix_); }
 
     bool constrain(int i, int j, Bound bound) { return dbm::constrain(matrix_, dimension_, i, j, bound); }
     void up() noexcept { dbm::up(matrix_, dimension_); }
