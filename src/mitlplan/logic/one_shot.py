@@ -8,9 +8,11 @@ a negation turns F into G, U into R and back. A punctual F, G or X only shifts t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from fractions import Fraction
 from typing import NamedTuple
 
+from mitlplan.errors import FormulaError
 from mitlplan.logic.formula import (
     Always,
     And,
@@ -27,6 +29,10 @@ from mitlplan.logic.formula import (
     Until,
     WeakUntil,
 )
+from mitlplan.logic.show import show
+
+
+_MOST_SHOWN = 40
 
 
 class _Place(NamedTuple):
@@ -76,6 +82,67 @@ def repeated_instants(formula: Formula) -> Iterator[Formula]:
     []
     """
     return _search(formula, _Place(positive=True, negative=None))
+
+
+def refuse_repeated_instants(
+    formula: Formula, text: str, place: Callable[[Formula], tuple[int, int]]
+) -> None:
+    """Refuse a formula with a punctual operator outside a one-shot position.
+
+    Parameters
+    ----------
+    formula
+        Any formula.
+    text
+        How the formula reads.
+    place
+        Where in `text` a node of the formula stands: first and last character, the last one excluded.
+
+    Raises
+    ------
+    FormulaError
+        At the first such operator, with an interval to write instead.
+    """
+    for node in repeated_instants(formula):
+        start, end = place(node)
+        letter, instant = _letter_and_instant(node)
+        operator = "X" if isinstance(node, Next) else f"{letter}[{instant},{instant}]"
+        raise FormulaError(
+            f"`{operator}` asks for one exact instant, and here again and again (below G or W, left of U or "
+            "right of R): that is outside MITL, and undecidable.",
+            text,
+            start,
+            length=end - start,
+            hint=f"allow a little time: {letter}{_widened(instant)}{_shown_operand(node)}",
+        )
+
+
+def _letter_and_instant(node: Formula) -> tuple[str, Fraction]:
+    match node:
+        case Eventually(_, interval):
+            return "F", interval.lower
+        case Always(_, interval):
+            return "G", interval.lower
+        case Until(_, _, interval):
+            return "U", interval.lower
+        case Release(_, _, interval):
+            return "R", interval.lower
+        case _:
+            return "F", Fraction(1)
+
+
+def _widened(instant: Fraction) -> str:
+    end = f"{instant}.1" if instant.denominator == 1 else f"{instant + Fraction(1, 10)}"
+    return f"[{instant},{end}]"
+
+
+def _shown_operand(node: Formula) -> str:
+    match node:
+        case Eventually(operand) | Always(operand) | Next(operand):
+            shown = show(Eventually(operand)).removeprefix("F")
+            return shown if len(shown) <= _MOST_SHOWN else " ..."
+        case _:
+            return ""
 
 
 def _search(formula: Formula, place: _Place) -> Iterator[Formula]:

@@ -34,8 +34,7 @@ from mitlplan.logic.formula import (
     WeakUntil,
 )
 from mitlplan.logic.interval import ALWAYS, Interval
-from mitlplan.logic.one_shot import repeated_instants
-from mitlplan.logic.show import show
+from mitlplan.logic.one_shot import refuse_repeated_instants
 
 if TYPE_CHECKING:
     from lark import Lark, Token, Tree, UnexpectedToken
@@ -67,21 +66,21 @@ def parse(text: str) -> Formula:
 
     Examples
     --------
-    >>> parse("F[0,2] A")
-    Eventually(operand=Atom(name='A'), interval=Interval(lower=Fraction(0, 1), upper=Fraction(2, 1), \
-lower_open=False, upper_open=False))
-    >>> parse("F[0,2 A")
+    >>> parse("!A U B")
+    Until(left=Not(operand=Atom(name='A')), right=Atom(name='B'), interval=Interval(lower=Fraction(0, 1), \
+upper=None, lower_open=False, upper_open=True))
+    >>> parse("!A U (B")
     Traceback (most recent call last):
-    mitlplan.errors.FormulaError: Expected `]` or `)` to end the interval, but found `A`.
-      F[0,2 A
-            ^
+    mitlplan.errors.FormulaError: Expected an operator or `)`, but the text ends.
+      !A U (B
+             ^
+      hint: the `(` at character 6 is not closed
     """
     tree = _tree(text)
     _refuse_deep(tree, text)
     reader = _Reader(text)
     formula = reader.formula(tree)
-    for node in repeated_instants(formula):
-        raise reader.repeated_instant(node)
+    refuse_repeated_instants(formula, text, lambda node: reader.places[id(node)])
     return formula
 
 
@@ -232,18 +231,6 @@ class _Reader:
         start, end = cast("int", token.start_pos), cast("int", token.end_pos)
         return FormulaError(problem, self.text, start, length=end - start, hint=hint)
 
-    def repeated_instant(self, node: Formula) -> FormulaError:
-        """The refusal of a punctual operator outside a one-shot position."""
-        start, end = self.places[id(node)]
-        return FormulaError(
-            f"`{_shortened(self.text[start:end])}` asks for one exact instant, and here again and again "
-            "(below G or W, left of U or right of R): that is outside MITL, and undecidable.",
-            self.text,
-            start,
-            length=end - start,
-            hint=f"allow a little time: {_with_some_time(node)}",
-        )
-
 
 def _operator(rule: str, operands: list[Formula], interval: Interval) -> Formula:
     left, right = operands[0], operands[-1]
@@ -260,27 +247,6 @@ def _operator(rule: str, operands: list[Formula], interval: Interval) -> Formula
             return Release(left, right, interval)
         case _:
             return WeakUntil(left, right)
-
-
-def _with_some_time(node: Formula) -> str:
-    match node:
-        case Next(operand):
-            return _widened("F", Fraction(1)) + show(Eventually(operand))[1:]
-        case Eventually(operand, interval):
-            return _widened("F", interval.lower) + show(Eventually(operand))[1:]
-        case Always(operand, interval):
-            return _widened("G", interval.lower) + show(Always(operand))[1:]
-        case Until(interval=interval):
-            return _widened("U", interval.lower)
-        case Release(interval=interval):
-            return _widened("R", interval.lower)
-        case _:
-            raise AssertionError(f"{node} has no interval")
-
-
-def _widened(letter: str, instant: Fraction) -> str:
-    end = f"{instant}.1" if instant.denominator == 1 else f"{instant + Fraction(1, 10)}"
-    return f"{letter}[{instant},{end}]"
 
 
 # ------------------------------------------------------------------------ what the grammar expected, in words
