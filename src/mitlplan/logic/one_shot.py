@@ -31,7 +31,6 @@ from mitlplan.logic.formula import (
 )
 from mitlplan.logic.show import show
 
-
 _MOST_SHOWN = 40
 
 
