@@ -1,0 +1,1 @@
+"""The construction of Zhou, Maity and Baras: as they published it, and repaired."""
