@@ -1,9 +1,9 @@
 """Zones the slow way: a conjunction of constraints x_i - x_j <= v or < v, in Python numbers.
 
 One matrix, closed from scratch by Floyd and Warshall after whatever was done to it. The operations are
-written from their definitions as sets, with an auxiliary variable where the definition says "there is": *some time
-passes* moves the reference back by that time and forgets the old one. Nothing here is shared with the native
-zones, and nothing is fast.
+written from their definitions as sets, with an auxiliary variable where the definition says "there is": *some
+time passes* moves the reference back by that time and forgets the old one. Nothing here is shared with the
+native zones, and nothing is fast.
 """
 
 from __future__ import annotations
