@@ -119,12 +119,15 @@ def show_path(path: Path) -> str:
     """
     shown = ""
     for step in path:
-        shown += f"[{step}]" if isinstance(step, int) else f".{step}"
+        if isinstance(step, int):
+            shown += f"[{step}]"
+        else:
+            shown += f".{step if step and step.isprintable() else repr(step)}"
     return shown.removeprefix(".")
 
 
-def read_document(file: pathlib.Path) -> Document:
-    """Read a YAML file, or a JSON file if it is called ``.json``.
+def read_document(file: pathlib.Path, *, json_only: bool = False) -> Document:
+    """Read a YAML file, or a JSON file if it is called ``.json`` or nothing else is expected.
 
     Raises
     ------
@@ -143,7 +146,8 @@ def read_document(file: pathlib.Path) -> Document:
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise MissionError("the file is no text in UTF-8", file=str(file), line=line) from None
-    data = _json(text, str(file)) if file.suffix == ".json" else _plain(_tree(text, str(file)))
+    is_json = json_only or file.suffix == ".json"
+    data = _json(text, str(file)) if is_json else _plain(_tree(text, str(file)))
     return Document(data, str(file), text)
 
 
@@ -164,7 +168,7 @@ def _json(text: str, file: str) -> Any:
         raise MissionError(f"the file is nested too deep; {_DEEPEST} levels are read", file=file) from None
     except _RepeatedKeyError as repeated:
         _tree(text, file)
-        raise MissionError(f"the key {repeated} is given twice", file=file) from None
+        raise MissionError(f"the key '{repeated}' is given twice", file=file) from None
 
 
 def _different_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -240,7 +244,7 @@ class _Builder:
             raise self._fault("anchors (&name) are not read; write the value out where it is needed", event)
         tag = getattr(event, "tag", None)
         if tag is not None:
-            raise self._fault(f"tags ({tag}) are not read; leave it out", event)
+            raise self._fault("put this in quotes: YAML takes a text that begins with ! for a tag", event)
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
         match event:
             case ScalarEvent():
@@ -276,7 +280,7 @@ class _Builder:
             raise self._fault("a key must be a text", event)
         if node.value in parent.keys:
             first = parent.keys[node.value].line
-            raise self._fault(f"the key {node.value} is given twice, first in line {first}", event)
+            raise self._fault(f"the key {node.value!r} is given twice, first in line {first}", event)
         return node
 
     def _fault(self, problem: str, event: Event) -> MissionError:

@@ -26,9 +26,7 @@ class FormulaError(MitlplanError):
         What to write instead, or the empty string.
     """
 
-    def __init__(
-        self, problem: str, text: str, position: int, *, length: int = 1, hint: str = ""
-    ) -> None:
+    def __init__(self, problem: str, text: str, position: int, *, length: int = 1, hint: str = "") -> None:
         self.problem = problem
         self.text = text
         self.position = position
@@ -78,6 +76,10 @@ class WorkspaceError(MitlplanError):
     def __init__(self, problem: str, *, where: tuple[str | int, ...] = ()) -> None:
         self.where = where
         super().__init__(problem)
+
+
+class OutputError(MitlplanError):
+    """A file that cannot be written."""
 
 
 class PlanFileError(MitlplanError):

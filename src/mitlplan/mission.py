@@ -183,8 +183,8 @@ def _overridden(
 
 def _mission(keys: MissionKeys, document: Document, folder: Path, source: Path | None) -> Mission:
     kind, kind_keys = _kind(keys.workspace)
+    _check_propositions(kind_keys, document, ("workspace", kind))
     workspace = _workspace(kind_keys, document, folder, ("workspace", kind))
-    _check_propositions(workspace, kind_keys.propositions, document, ("workspace", kind))
     known = sorted(workspace.propositions.union(kind_keys.propositions))
     return Mission(
         workspace=workspace,
@@ -247,16 +247,34 @@ def _box(box: BoxKeys) -> Box:
 
 
 def _check_propositions(
-    workspace: Workspace, declared: Sequence[str], document: Document, path: tuple[str, str]
+    keys: GraphKeys | GridKeys | MovingaiKeys, document: Document, path: tuple[str, str]
 ) -> None:
     """Refuse a proposition that no formula could name."""
-    for name in sorted(workspace.propositions.union(declared)):
-        if not _can_be_named(name):
+    known: set[str] = set()
+    for name, place, key in _given_propositions(keys):
+        if name not in known and not _can_be_named(name):
             problem = (
                 f"the proposition {name!r} cannot stand in a formula; a name is a letter followed by "
                 "letters, digits, _ and ., and is no operator"
             )
-            raise document.error(Fault(problem, path, None), Fault(problem, (*path, "regions"), name))
+            raise document.error(Fault(problem, (*path, *place), key))
+        known.add(name)
+
+
+def _given_propositions(
+    keys: GraphKeys | GridKeys | MovingaiKeys,
+) -> Iterator[tuple[str, tuple[str | int, ...], str | None]]:
+    """Each proposition with the path at which it stands, and the key there if it is one."""
+    for place, name in enumerate(keys.propositions):
+        yield name, ("propositions", place), None
+    match keys:
+        case GraphKeys():
+            for cell, holds in keys.cells.items():
+                for place, name in enumerate(holds):
+                    yield name, ("cells", cell, place), None
+        case GridKeys() | MovingaiKeys():
+            for name in keys.regions:
+                yield name, ("regions",), name
 
 
 def _can_be_named(name: str) -> bool:

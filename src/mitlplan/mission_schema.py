@@ -28,9 +28,6 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 from mitlplan.document import Fault
 from mitlplan.exact import PATTERN, exact
 
-NOT_YET_KINDS = ("occupancy", "route_graph", "polygons")
-NOT_YET_ROBOT = ("heading", "speed", "turn_rate", "radius")
-
 _NUMBER_SCHEMA: dict[str, Any] = {
     "anyOf": [{"type": "number", "minimum": 0}, {"type": "string", "pattern": PATTERN}]
 }
@@ -81,6 +78,12 @@ def _tolerance(value: object) -> Fraction:
     return tolerance
 
 
+def _version(value: object) -> int:
+    if value not in (1, "1"):
+        raise ValueError(f"version 1 of the format is read here, not {shorten(value)}")
+    return 1
+
+
 def _flag(value: object) -> bool:
     match value:
         case bool():
@@ -91,17 +94,27 @@ def _flag(value: object) -> bool:
 
 
 def _name(value: object) -> str:
-    if isinstance(value, str) and value:
+    # What cannot be printed could steer the terminal on which the name is shown later.
+    if isinstance(value, str) and value and value.isprintable():
         return value
-    raise ValueError(f"a name is expected, not {shorten(value)}" if value else "a name is missing")
+    raise ValueError(f"a name is expected, not {shorten(value)}")
+
+
+def _formula(value: object) -> str:
+    if isinstance(value, str) and "".join(value.split()).isprintable():
+        return value
+    given = shorten(value)
+    raise ValueError(f"a formula is expected, not {given}; several are named, as in {{one: F A, two: F B}}")
 
 
 Whole = Annotated[int, PlainValidator(_whole), WithJsonSchema(_WHOLE_SCHEMA)]
 Cell = Annotated[tuple[int, int], PlainValidator(_cell), WithJsonSchema(_PAIR_SCHEMA)]
 Stretch = Annotated[tuple[int, int], PlainValidator(_stretch), WithJsonSchema(_PAIR_SCHEMA)]
+Version = Annotated[int, PlainValidator(_version), WithJsonSchema({"const": 1})]
 Flag = Annotated[bool, PlainValidator(_flag), WithJsonSchema({"type": "boolean"})]
 Name = Annotated[str, PlainValidator(_name), WithJsonSchema({"type": "string", "minLength": 1})]
 Tolerance = Annotated[Fraction, PlainValidator(_tolerance), WithJsonSchema(_NUMBER_SCHEMA)]
+Formula = Annotated[str, PlainValidator(_formula), WithJsonSchema({"type": "string", "minLength": 1})]
 # Read by the workspace's builder, which knows what a move's time may be.
 Time = Annotated[
     Any,
@@ -121,6 +134,7 @@ class Keys(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=False)
     not_yet: ClassVar[tuple[str, ...]] = ()
+    until_then: ClassVar[str] = "leave it out"
 
     @model_validator(mode="before")
     @classmethod
@@ -131,12 +145,11 @@ class Keys(BaseModel):
         known = cls._keys()
         for key in data:
             if key in cls.not_yet:
-                raise PydanticCustomError("key", "'{key}' is not yet supported; leave it out", {"key": key})
+                found = {"key": key, "advice": cls.until_then}
+                raise PydanticCustomError("key", "'{key}' is not yet supported; {advice}", found)
             if key not in known:
-                advice = _advise_key(str(key), known)
-                raise PydanticCustomError(
-                    "key", "unknown key '{key}'; {advice}", {"key": key, "advice": advice}
-                )
+                found = {"key": key, "shown": shorten(key), "advice": _advise_key(str(key), known)}
+                raise PydanticCustomError("key", "unknown key {shown}; {advice}", found)
         for key, field in known.items():
             if field and key not in data:
                 raise PydanticCustomError("shape", "the key '{key}' is missing", {"key": key})
@@ -226,7 +239,8 @@ class WorkspaceKeys(Keys):
     """The map: exactly one kind."""
 
     model_config = ConfigDict(json_schema_extra={"minProperties": 1, "maxProperties": 1})
-    not_yet = NOT_YET_KINDS
+    not_yet = ("occupancy", "route_graph", "polygons")
+    until_then = "use graph, grid or movingai"
 
     graph: GraphKeys | None = None
     grid: GridKeys | None = None
@@ -252,7 +266,7 @@ def _start_kind(value: object) -> str:
 class RobotKeys(Keys):
     """The robot: where it starts, as a cell's name or [row, column]."""
 
-    not_yet = NOT_YET_ROBOT
+    not_yet = ("heading", "speed", "turn_rate", "radius")
 
     start: Annotated[Annotated[Name, Tag("name")] | Annotated[Cell, Tag("cell")], Discriminator(_start_kind)]
 
@@ -264,11 +278,12 @@ def _spec_kind(value: object) -> str:
 class MissionKeys(Keys):
     """A mission: a map, a robot on it, and what the robot has to do, when."""
 
-    version: Literal["1", 1] = Field(alias="mitlplan", description="The version of the format.")
+    version: Version = Field(alias="mitlplan", description="The version of the format.")
     workspace: WorkspaceKeys
     robot: RobotKeys
     spec: Annotated[
-        Annotated[Name, Tag("one")] | Annotated[dict[Name, Name], Tag("named")], Discriminator(_spec_kind)
+        Annotated[Formula, Tag("one")] | Annotated[dict[Name, Formula], Tag("named")],
+        Discriminator(_spec_kind),
     ]
     horizon: Literal["infinite", "finite"] = "infinite"
     until: Literal["standard", "closed"] = "standard"
@@ -311,9 +326,15 @@ def _sentence(detail: ErrorDetails) -> str:
             return str(context["error"])
         case "literal_error":
             return f"{context['expected']} is expected, not {given}"
+        case "missing":
+            return f"the key '{detail['loc'][-1]}' is missing"
+        case "string_type":
+            return f"a text is expected, not {given}"
+        case "too_long":
+            return f"at most {context['max_length']} are read"
         case "list_type":
             return f"a list is expected, not {given}"
-        case "dict_type" | "mapping_type":
+        case "dict_type" | "model_type":
             return f"names with values are expected, not {given}"
         case _:
             return detail["msg"]

@@ -1,0 +1,1 @@
+"""What goes out and comes in: plans as JSON, CSV and text."""

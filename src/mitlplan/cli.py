@@ -1,0 +1,433 @@
+"""The command line: read arguments, call one function, print its answer.
+
+Results go to stdout and everything else to stderr; the exit code says which kind of answer it was: 0 a plan
+(or yes), 1 a proof that there is none (or no), 2 bad input, 3 a limit stopped the search, 130 interrupted,
+and 70 an error of ours. Heavy libraries are imported by the commands that need them: help comes at once.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import sys
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TextIO
+
+import typer
+
+from mitlplan.errors import MitlplanError
+
+if TYPE_CHECKING:
+    from mitlplan.mission import Mission
+    from mitlplan.plan import Outcome
+    from mitlplan.planner import Answer, Progress
+
+FOUND, NONE, BAD_INPUT, LIMIT, OUR_ERROR, INTERRUPTED = 0, 1, 2, 3, 70, 130
+
+app = typer.Typer(
+    name="mitlplan",
+    help="Robot plans that meet their deadlines.",
+    epilog="Exit codes: 0 found or yes, 1 proved impossible or no, 2 bad input, 3 a limit, 130 interrupted.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+class Form(str, Enum):
+    """How an answer is written."""
+
+    text = "text"
+    json = "json"
+    csv = "csv"
+
+
+class WitnessForm(str, Enum):
+    """How the answer of a decision procedure is written."""
+
+    text = "text"
+    json = "json"
+
+
+class UntilChoice(str, Enum):
+    """What until means."""
+
+    standard = "standard"
+    closed = "closed"
+
+
+class HorizonChoice(str, Enum):
+    """When the mission ends."""
+
+    infinite = "infinite"
+    finite = "finite"
+
+
+class Construction(str, Enum):
+    """How formulas become automata."""
+
+    compact = "compact"
+    seed = "seed"
+    published = "published"
+
+
+def _exact_option(text: str | None) -> str | None:
+    from mitlplan.exact import exact
+
+    if text is None:
+        return None
+    try:
+        if exact(text) == 0:
+            raise typer.BadParameter("a positive number is expected, such as 1/1000")
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+    return text
+
+
+def _finite_option(seconds: float | None) -> float | None:
+    if seconds is not None and not 0 < seconds < float("inf"):
+        raise typer.BadParameter("a positive number of seconds is expected")
+    return seconds
+
+
+MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")]
+Output = Annotated[
+    Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write here instead of to stdout.")
+]
+Until = Annotated[UntilChoice | None, typer.Option(help="Instead of the mission's own.")]
+Horizon = Annotated[HorizonChoice | None, typer.Option(help="Instead of the mission's own.")]
+TimeLimit = Annotated[
+    float | None,
+    typer.Option(metavar="SECONDS", callback=_finite_option, help="Stop the search after so long."),
+]
+MemoryLimit = Annotated[
+    int | None, typer.Option(metavar="MB", min=1, help="Stop the search when it holds so much.")
+]
+WitnessFormOption = Annotated[WitnessForm, typer.Option("--format", help="How the answer is written.")]
+FormulaText = Annotated[str, typer.Argument(metavar="FORMULA", help="A formula, in quotes.")]
+
+
+def main() -> None:
+    """Run the command line; never returns."""
+    app()
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            _print(f"mitlplan {version('mitlplan')}\n")
+        except PackageNotFoundError:
+            _print("mitlplan, not installed\n")
+        raise typer.Exit(FOUND)
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    pass
+
+
+# ------------------------------------------------------------------------------------------------ commands
+
+
+@app.command("plan")
+def plan_command(
+    mission: MissionFile,
+    form: Annotated[Form, typer.Option("--format", help="How the answer is written.")] = Form.text,
+    output: Output = None,
+    construction: Annotated[
+        Construction, typer.Option(help="How formulas become automata.")
+    ] = Construction.compact,
+    until: Until = None,
+    horizon: Horizon = None,
+    epsilon: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SECONDS",
+            callback=_exact_option,
+            help="How near to come to a makespan that none attains.",
+        ),
+    ] = None,
+    time_limit: TimeLimit = None,
+    memory_limit: MemoryLimit = None,
+) -> None:
+    """Find the fastest plan for a mission, or prove that there is none."""
+    with _errors_reported():
+        from mitlplan import planner
+        from mitlplan.formats.output import check_writable
+
+        if output is not None:
+            check_writable(output)
+        read = _read(mission, until, horizon, epsilon)
+        with _progress_shown() as progress:
+            outcome = planner.plan(
+                read,
+                construction=construction.value,
+                time_limit=time_limit,
+                memory_limit=memory_limit,
+                progress=progress,
+            )
+        _deliver(_written(outcome, form, to_terminal=output is None), output)
+        code = _code(outcome)
+    raise typer.Exit(code)
+
+
+@app.command("check")
+def check_command(
+    mission: MissionFile,
+    plan: Annotated[
+        Path, typer.Argument(metavar="PLAN.json", help="A plan, as plan --format json writes it.")
+    ],
+    until: Until = None,
+    horizon: Horizon = None,
+) -> None:
+    """Check a plan by the independent judge: can the robot go so, and is the mission then satisfied?"""
+    with _errors_reported():
+        from mitlplan.check import check
+        from mitlplan.errors import PlanFileError
+        from mitlplan.formats.plan_json import read_plan
+        from mitlplan.plan import Plan
+
+        read = _read(mission, until, horizon)
+        outcome = read_plan(plan)
+        if not isinstance(outcome, Plan):
+            raise PlanFileError(f"{plan}: there is no plan in it to check: {outcome.reason}")
+        fault = check(read, outcome)
+        _print("satisfied\n" if fault is None else f"violated: {fault}\n")
+    raise typer.Exit(FOUND if fault is None else NONE)
+
+
+@app.command("schema")
+def schema_command(output: Output = None) -> None:
+    """Print the JSON Schema of mission files, for editors."""
+    with _errors_reported():
+        from mitlplan.mission import schema
+
+        _deliver(json.dumps(schema(), indent=2) + "\n", output)
+
+
+@app.command("satisfiable")
+def satisfiable_command(
+    formula: FormulaText,
+    form: WitnessFormOption = WitnessForm.text,
+    until: UntilChoice = UntilChoice.standard,
+    time_limit: TimeLimit = None,
+    memory_limit: MemoryLimit = None,
+) -> None:
+    """Is there any signal that satisfies a formula? Print one, or prove that there is none."""
+    with _errors_reported():
+        from mitlplan.planner import satisfiable
+
+        words = _Words(witness="satisfiable", none="unsatisfiable", witness_code=FOUND, none_code=NONE)
+        code = _decide(satisfiable, (formula,), words, form, until, time_limit, memory_limit)
+    raise typer.Exit(code)
+
+
+@app.command("valid")
+def valid_command(
+    formula: FormulaText,
+    form: WitnessFormOption = WitnessForm.text,
+    until: UntilChoice = UntilChoice.standard,
+    time_limit: TimeLimit = None,
+    memory_limit: MemoryLimit = None,
+) -> None:
+    """Does every signal satisfy a formula? Prove it, or print a signal that does not."""
+    with _errors_reported():
+        from mitlplan.planner import valid
+
+        words = _Words(witness="not valid", none="valid", witness_code=NONE, none_code=FOUND)
+        code = _decide(valid, (formula,), words, form, until, time_limit, memory_limit)
+    raise typer.Exit(code)
+
+
+@app.command("equivalent")
+def equivalent_command(
+    formula: FormulaText,
+    other: Annotated[str, typer.Argument(metavar="OTHER", help="Another formula, in quotes.")],
+    form: WitnessFormOption = WitnessForm.text,
+    until: UntilChoice = UntilChoice.standard,
+    time_limit: TimeLimit = None,
+    memory_limit: MemoryLimit = None,
+) -> None:
+    """Do two formulas mean the same? Prove it, or print a signal that tells them apart."""
+    with _errors_reported():
+        from mitlplan.planner import equivalent
+
+        words = _Words(witness="not equivalent", none="equivalent", witness_code=NONE, none_code=FOUND)
+        code = _decide(equivalent, (formula, other), words, form, until, time_limit, memory_limit)
+    raise typer.Exit(code)
+
+
+# ------------------------------------------------------------------------------------------------- reading
+
+
+def _read(
+    mission: Path,
+    until: UntilChoice | None,
+    horizon: HorizonChoice | None,
+    epsilon: str | None = None,
+) -> Mission:
+    from mitlplan.mission import read
+
+    found = read(
+        mission,
+        until=until.value if until else None,
+        horizon=horizon.value if horizon else None,
+        epsilon=Fraction(epsilon) if epsilon else None,
+    )
+    for warning in found.warnings:
+        _say(f"{mission}: warning: {warning}")
+    return found
+
+
+# ------------------------------------------------------------------------------------------------ answering
+
+
+def _written(outcome: Outcome, form: Form, *, to_terminal: bool) -> str:
+    match form:
+        case Form.json:
+            from mitlplan.formats.plan_json import plan_to_json
+
+            return plan_to_json(outcome)
+        case Form.csv:
+            from mitlplan.formats.plan_csv import plan_to_csv
+
+            return plan_to_csv(outcome)
+        case Form.text:
+            from mitlplan.formats.plan_text import plan_to_text
+
+            width = shutil.get_terminal_size((100, 24)).columns
+            return plan_to_text(outcome, colours=to_terminal and _colours_wanted(sys.stdout), width=width)
+
+
+def _colours_wanted(stream: TextIO) -> bool:
+    return stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+
+
+def _code(outcome: Outcome) -> int:
+    from mitlplan.plan import Infeasible, LimitReached, Plan
+
+    match outcome:
+        case Plan():
+            return FOUND
+        case Infeasible():
+            return NONE
+        case LimitReached():
+            return LIMIT
+
+
+@dataclass(frozen=True, slots=True)
+class _Words:
+    """What a witness and the proof that there is none mean for the question that was asked."""
+
+    witness: str
+    none: str
+    witness_code: int
+    none_code: int
+
+
+def _decide(
+    question: Callable[..., Answer],
+    texts: tuple[str, ...],
+    words: _Words,
+    form: WitnessForm,
+    until: UntilChoice,
+    time_limit: float | None,
+    memory_limit: int | None,
+) -> int:
+    from mitlplan.formats.witness import Witness, decision_to_json, decision_to_text
+    from mitlplan.logic.parse import parse
+    from mitlplan.plan import LimitReached
+    from mitlplan.planner import Satisfiable
+
+    formulas = [parse(text) for text in texts]
+    with _progress_shown() as progress:
+        answer = question(
+            *formulas, until=until.value, time_limit=time_limit, memory_limit=memory_limit, progress=progress
+        )
+    witness, reason = None, ""
+    match answer:
+        case Satisfiable(signal=signal):
+            word, code = words.witness, words.witness_code
+            stretches = [(segment.start, segment.holds) for segment in signal.segments]
+            witness = Witness(tuple(stretches), signal.end, signal.repeat_from)
+        case LimitReached():
+            word, code, reason = "limit", LIMIT, answer.reason
+        case _:
+            word, code = words.none, words.none_code
+    write = decision_to_json if form is WitnessForm.json else decision_to_text
+    _print(write(word, reason, witness))
+    return code
+
+
+# ---------------------------------------------------------------------------------------- output and errors
+
+
+def _deliver(text: str, output: Path | None) -> None:
+    from mitlplan.formats.output import write_whole
+
+    if output is None:
+        _print(text)
+    else:
+        write_whole(output, text)
+
+
+def _print(text: str) -> None:
+    try:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # Whoever read has seen enough. What is still buffered must go somewhere when Python ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _say(message: str) -> None:
+    sys.stderr.write(f"{message}\n")
+    sys.stderr.flush()
+
+
+@contextmanager
+def _progress_shown() -> Iterator[Callable[[Progress], None]]:
+    from mitlplan.formats.progress_line import ProgressLine
+
+    line = ProgressLine(sys.stderr)
+    try:
+        yield lambda progress: line.show(progress.states, progress.lower_bound, progress.seconds)
+    finally:
+        line.clear()
+
+
+@contextmanager
+def _errors_reported() -> Iterator[None]:
+    """Turn whatever goes wrong into a sentence and the exit code that belongs to it."""
+    try:
+        yield
+    except MitlplanError as error:
+        _say(f"mitlplan: {error}")
+        raise typer.Exit(BAD_INPUT) from None
+    except OverflowError as error:
+        _say(f"mitlplan: the times of this mission are too large or too finely divided: {error}")
+        raise typer.Exit(BAD_INPUT) from None
+    except MemoryError:
+        _say("mitlplan: out of memory; nothing is known (--memory-limit stops the search earlier)")
+        raise typer.Exit(LIMIT) from None
+    except KeyboardInterrupt:
+        _say("mitlplan: interrupted")
+        raise typer.Exit(INTERRUPTED) from None
+    except Exception:  # noqa: BLE001  # an error of ours must not leave with the code that means "infeasible"
+        _say(f"{traceback.format_exc()}mitlplan: this is an error in mitlplan; please report it")
+        raise typer.Exit(OUR_ERROR) from None
