@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
+from mitlplan.logic.explain import explain
 from mitlplan.logic.semantics import satisfies
 from mitlplan.logic.signal import Segment, Signal
 from mitlplan.mission import Mission
@@ -44,7 +45,7 @@ def check(mission: Mission, plan: Plan) -> str | None:
     ... })
     >>> steps = (Step("r0c0", Fraction(0), Fraction(1)), Step("r0c1", Fraction(1), Fraction(1), ("A",)))
     >>> check(mission, Plan(steps, makespan=Fraction(1)))
-    'the requirement soon is violated: F[0,1/2] A'
+    'the requirement soon is violated: F[0,1/2] A does not hold at 0: A never holds in [0,1/2].'
     """
     return next(_faults(mission, plan), None)
 
@@ -82,7 +83,8 @@ def _faults(mission: Mission, plan: Plan) -> Iterator[str]:
     signal = signal_of(plan.steps, plan.loop)
     for requirement in mission.spec:
         if not satisfies(requirement.formula, signal, until=mission.until, horizon=mission.horizon):
-            yield f"the requirement {requirement.name} is violated: {requirement.text}"
+            why = explain(requirement.formula, signal, until=mission.until, horizon=mission.horizon)
+            yield f"the requirement {requirement.name} is violated: {why}"
 
 
 def _wrong_makespan(plan: Plan) -> Iterator[str]:

@@ -19,7 +19,7 @@ _LONGEST = 40
 _GREATEST = 10**18
 _DECIMAL = re.compile(r"([+-]?)(\d+(?:\.\d*)?|\.\d+)(?:[eE]([+-]?\d{1,4}))?", re.ASCII)
 _QUOTIENT = re.compile(r"([+-]?)(\d+) ?/ ?(\d+)", re.ASCII)
-PATTERN = r"^\+?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,2})?$|^\+?\d+ ?/ ?\d+$"
+PATTERN = r"^\+?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]{1,2})?$|^\+?[0-9]+ ?/ ?[0-9]+$"
 """The texts that may be non-negative numbers, for JSON schemas."""
 
 
