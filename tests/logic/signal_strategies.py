@@ -1,4 +1,4 @@
-"""Random signals and formulas on a grid of whole seconds, as Hypothesis strategies.
+"""Signals in short, and random signals and formulas on a grid of whole seconds as Hypothesis strategies.
 
 The labels change and the bounds lie at whole seconds, where coincidences are frequent: they are what tells
 one end of an interval from the other.
@@ -15,6 +15,27 @@ from mitlplan.logic.interval import ALWAYS, Interval
 from mitlplan.logic.signal import Segment, Signal
 
 ATOMS = ("a", "b")
+
+
+def ending(text: str) -> Signal:
+    """A signal that ends, from labels and durations: ``"- 1, AB 1/2, A 0"``; atoms are single letters."""
+    segments, end = _read(text)
+    return Signal(tuple(segments), end)
+
+
+def looping(text: str, repeat_from: int | str = 0) -> Signal:
+    """A signal that repeats, from labels and durations."""
+    segments, end = _read(text)
+    return Signal(tuple(segments), end, Fraction(repeat_from))
+
+
+def _read(text: str) -> tuple[list[Segment], Fraction]:
+    segments, start = [], Fraction(0)
+    for part in text.split(","):
+        label, duration = part.split()
+        segments.append(Segment(start, frozenset(label.replace("-", ""))))
+        start += Fraction(duration)
+    return segments, start
 
 
 @st.composite

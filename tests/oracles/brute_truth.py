@@ -128,7 +128,6 @@ class _Brute:
     def until(self, left: Values, right: Values, interval: Interval) -> Values:
         if self.closed_until:
             right = [both(row) for row in zip(left, right, strict=True)]
-        stored = range(self.regions.stored)
         unit = 2 * self.regions.resolution
         bound = interval.lower if interval.upper is None else interval.upper
         reach = self.regions.stored + self.regions.period + int(unit * bound) + 2
