@@ -159,6 +159,8 @@ class MapAutomaton:
         int32, shape (moves,): guard ``durations[least] <= z <= durations[most]``; `most` may be ``NEVER``.
     invariant
         int32, shape (cells,): ``z <= durations[invariant]``, or ``NEVER``.
+    may_park
+        Whether the robot may stay in a cell for ever.
     """
 
     initial: int
@@ -170,6 +172,7 @@ class MapAutomaton:
     least: NDArray[np.int32]
     most: NDArray[np.int32]
     invariant: NDArray[np.int32]
+    may_park: bool
 
     @property
     def location_count(self) -> int:

@@ -1,0 +1,275 @@
+#include "search.hpp"
+
+#include <cstring>
+
+namespace mitlplan {
+
+namespace {
+
+constexpr std::size_t block_size = std::size_t{1} << 16;
+constexpr int expansions_between_looks_at_the_clock = 256;
+
+std::size_t hash_of(std::span<const Index> locations) noexcept {
+    std::uint64_t mixed = 0x9E3779B97F4A7C15u;
+    for (const Index location : locations) {
+        mixed ^= static_cast<std::uint64_t>(static_cast<std::uint32_t>(location));
+        mixed *= 0xFF51AFD7ED558CCDu;
+        mixed ^= mixed >> 33;
+    }
+    return static_cast<std::size_t>(mixed);
+}
+
+}  // namespace
+
+Bound* Search::Arena::allocate(std::size_t count) {
+    if (count > free_) {
+        const std::size_t size = std::max(block_size, count);
+        blocks_.push_back(std::make_unique_for_overwrite<Bound[]>(size));
+        bytes_ += size * sizeof(Bound);
+        free_ = size;
+        used_ = 0;
+    }
+    Bound* const result = blocks_.back().get() + used_;
+    used_ += count;
+    free_ -= count;
+    return result;
+}
+
+Search::Search(Tables tables, const Options& options)
+    : tables_((tables.validate(), std::move(tables))), options_(options), successors_(tables_), table_(1024, 0) {
+    start();
+}
+
+std::size_t Search::bytes() const noexcept {
+    return arena_.bytes() + nodes_.capacity() * sizeof(Node) + steps_.capacity() * sizeof(Index) +
+           states_.capacity() * sizeof(State) + state_locations_.capacity() * sizeof(Index) +
+           table_.capacity() * sizeof(Index) + waiting_.size() * sizeof(Waiting) +
+           recorded_.capacity() * sizeof(RecordedStep) + recorded_edges_.capacity() * sizeof(Index);
+}
+
+void Search::start() {
+    // Every component begins in its initial location; the driver's is its last, with the edges to where it starts.
+    std::vector<Index> initial(static_cast<std::size_t>(tables_.components()));
+    for (std::size_t component = 0; component < initial.size(); ++component)
+        initial[component] = tables_.component_start[component];
+    initial[0] = tables_.driver_locations() - 1;
+    const Index state = find_state(initial);
+    const auto& clocks = active_[static_cast<std::size_t>(states_[static_cast<std::size_t>(state)].active)];
+    settled_.resize(dbm::size(clocks.dimension()));
+    dbm::set_zero(settled_);
+    JointStep nothing;
+    nothing.edges.assign(initial.size(), none);
+    nothing.targets = initial;
+    store(none, nothing, state, clocks, 0, 0);
+}
+
+Index Search::find_active(std::span<const Index> locations) {
+    key_.clear();
+    for (const Index location : locations) {
+        const Index bounds = tables_.locations[static_cast<std::size_t>(location)].bounds;
+        key_.append(reinterpret_cast<const char*>(&bounds), sizeof bounds);
+    }
+    const auto [found, inserted] = active_index_.try_emplace(key_, static_cast<Index>(active_.size()));
+    if (inserted) {
+        successors_.active(locations, scratch_);
+        active_.push_back(scratch_);
+    }
+    return found->second;
+}
+
+Index Search::find_state(std::span<const Index> wanted) {
+    std::size_t mask = table_.size() - 1;
+    std::size_t slot = hash_of(wanted) & mask;
+    for (; table_[slot] != 0; slot = (slot + 1) & mask)
+        if (std::ranges::equal(locations(table_[slot] - 1), wanted)) return table_[slot] - 1;
+    const auto state = static_cast<Index>(states_.size());
+    states_.push_back({find_active(wanted), none});
+    state_locations_.insert(state_locations_.end(), wanted.begin(), wanted.end());
+    table_[slot] = state + 1;
+    if (states_.size() * 2 > table_.size()) {
+        std::vector<Index> larger(table_.size() * 4, 0);
+        mask = larger.size() - 1;
+        for (Index index = 0; index <= state; ++index) {
+            slot = hash_of(locations(index)) & mask;
+            while (larger[slot] != 0) slot = (slot + 1) & mask;
+            larger[slot] = index + 1;
+        }
+        table_ = std::move(larger);
+    }
+    return state;
+}
+
+Ticks Search::estimate(std::span<const Bound> zone, const ActiveClocks& clocks,
+                       std::span<const Index> at) const {
+    const int dimension = clocks.dimension();
+    const int time = tables_.time_clock == none ? none : clocks.position(tables_.time_clock);
+    const int driver = tables_.driver_clock == none ? none : clocks.position(tables_.driver_clock);
+    // The least value of a clock at the last move of the driver, from where distances count.
+    const auto since_move = [&](int clock) {
+        const Ticks least = -value(zone[dbm::entry(dimension, 0, clock)]);
+        if (driver == none || driver == clock) return least;
+        const Bound difference = zone[dbm::entry(dimension, driver, clock)];
+        return difference == infinity ? Ticks{0} : -value(difference);
+    };
+    Ticks result = time == none ? 0 : -value(zone[dbm::entry(dimension, 0, time)]);
+    for (const Index index : at) {
+        const Location& location = tables_.locations[static_cast<std::size_t>(index)];
+        if (location.target == none) continue;
+        const Ticks distance = tables_.distance(location.target, at[0]);
+        if (distance < 0) return std::numeric_limits<Ticks>::max();
+        if (time != none) result = std::max(result, since_move(time) + distance);
+        if (location.deadline_clock == none) continue;
+        const int clock = clocks.position(location.deadline_clock);
+        if (clock != none && since_move(clock) + distance > location.deadline) return std::numeric_limits<Ticks>::max();
+    }
+    return result;
+}
+
+void Search::store(NodeId parent, const JointStep& step, Index state, const ActiveClocks& clocks, Index moves,
+                   Ticks estimated) {
+    State& home = states_[static_cast<std::size_t>(state)];
+    const auto marks = [&] {
+        std::uint64_t set = 0;
+        for (Index component = 1; component < tables_.components(); ++component)
+            set |= std::uint64_t{1} << successors_.edge_of(StepKind::move, step, component).marks;
+        return step.edges[0] == stands_still ? set & ~std::uint64_t{1} : set | 1;
+    };
+    const auto record = [&](NodeId target) {
+        if (!options_.record || parent == none) return;
+        recorded_.push_back({parent, target, marks()});
+        recorded_edges_.insert(recorded_edges_.end(), step.edges.begin(), step.edges.end());
+    };
+    NodeId* link = &home.first;
+    while (*link != none) {
+        Node& other = nodes_[static_cast<std::size_t>(*link)];
+        const auto old_zone = zone_of(other);
+        if (options_.record) {
+            if (dbm::equals(old_zone, settled_)) return record(*link);
+        } else {
+            if (other.moves <= moves && dbm::includes(old_zone, settled_)) return;
+            if (moves <= other.moves && dbm::includes(settled_, old_zone)) {
+                other.covered = true;
+                *link = other.next;
+                continue;
+            }
+        }
+        link = &other.next;
+    }
+    if (nodes_.size() >= static_cast<std::size_t>(std::numeric_limits<NodeId>::max() - 1))
+        throw std::overflow_error("more than 2^31 states");
+    const auto node = static_cast<NodeId>(nodes_.size());
+    const std::size_t size = dbm::size(clocks.dimension());
+    Bound* const zone = arena_.allocate(size);
+    std::ranges::copy(settled_, zone);
+    nodes_.push_back({state, parent, home.first, moves, zone, false});
+    home.first = node;
+    steps_.insert(steps_.end(), step.edges.begin(), step.edges.end());
+    waiting_.push({estimated, moves, node});
+    record(node);
+}
+
+void Search::reach_goal(NodeId parent, const ActiveClocks& clocks, std::span<const Bound> zone, StepKind kind,
+                        const JointStep& step, Index moves) {
+    const int time = clocks.position(tables_.time_clock);
+    const Bound least = zone[static_cast<std::size_t>(time)];
+    const auto found = std::tuple(-value(least), is_strict(least), moves);
+    if (std::get<0>(found) > options_.horizon) return;
+    if (goal_.parent != none && found >= std::tuple(goal_.time, goal_.strict, goal_.moves)) return;
+    goal_ = {parent, kind, step.edges, -value(least), is_strict(least), moves};
+}
+
+void Search::take(NodeId parent, const ActiveClocks& clocks, std::span<const Bound> zone, StepKind kind,
+                  const JointStep& step, bool silent) {
+    guarded_.assign(zone.begin(), zone.end());
+    for (Index component = 1; component < tables_.components(); ++component)
+        if (!successors_.constrain(guarded_, clocks, successors_.edge_of(kind, step, component).guard)) return;
+    const Index moves = nodes_[static_cast<std::size_t>(parent)].moves + (silent ? 0 : 1);
+    if (kind != StepKind::move) return reach_goal(parent, clocks, guarded_, kind, step, moves);
+    const Index state = find_state(step.targets);
+    const ActiveClocks& after = active_[static_cast<std::size_t>(states_[static_cast<std::size_t>(state)].active)];
+    // `clocks` may have moved with the vector that `find_state` lets grow.
+    const ActiveClocks& before = active_[static_cast<std::size_t>(
+        states_[static_cast<std::size_t>(nodes_[static_cast<std::size_t>(parent)].state)].active)];
+    successors_.settle(guarded_, before, step, after, settled_);
+    if (!successors_.elapse(settled_, after, step.targets)) return;
+    const Ticks estimated = estimate(settled_, after, step.targets);
+    if (estimated > options_.horizon) return;
+    dbm::extrapolate_lu_plus(settled_, after.dimension(), after.lower, after.upper);
+    store(parent, step, state, after, moves, estimated);
+}
+
+void Search::expand(NodeId id) {
+    const Node node = nodes_[static_cast<std::size_t>(id)];
+    const std::vector<Index> at(locations(node.state).begin(), locations(node.state).end());
+    const ActiveClocks clocks = active_[static_cast<std::size_t>(states_[static_cast<std::size_t>(node.state)].active)];
+    const std::span<const Bound> zone = zone_of(node);
+    const bool initial = node.parent == none;
+    const bool goals = tables_.time_clock != none;
+    const auto enumerate = [&](StepKind kind, Index driver_edge, std::span<const Bound> driven) {
+        const bool silent = driver_edge == stands_still || initial;
+        successors_.enumerate(kind, at, driver_edge, [&](const JointStep& step) {
+            take(id, clocks, driven, kind, step, silent);
+        });
+    };
+    const auto [first, last] = successors_.driver_edges(at[0]);
+    for (Index edge = first; edge < last; ++edge) {
+        driven_.assign(zone.begin(), zone.end());
+        const Edge& move = successors_.driver_move(edge);
+        if (!successors_.constrain(driven_, clocks, move.guard)) continue;
+        enumerate(StepKind::move, edge, driven_);
+        if (goals && options_.endings) enumerate(StepKind::ending, edge, driven_);
+        if (goals && options_.parkings && tables_.parkable[static_cast<std::size_t>(move.target)] != 0)
+            enumerate(StepKind::parking, edge, driven_);
+    }
+    if (initial) return;
+    if (successors_.restless(at)) enumerate(StepKind::move, stands_still, zone);
+    if (goals && options_.endings) enumerate(StepKind::ending, stands_still, zone);
+}
+
+bool Search::finished() const noexcept {
+    if (waiting_.empty()) return true;
+    if (goal_.parent == none) return false;
+    const Waiting& next = waiting_.top();
+    if (next.estimate != goal_.time) return next.estimate > goal_.time;
+    return !goal_.strict && next.moves >= goal_.moves;
+}
+
+Ticks Search::lower_bound() const noexcept {
+    Ticks bound = waiting_.empty() ? std::numeric_limits<Ticks>::max() : waiting_.top().estimate;
+    return goal_.parent == none ? bound : std::min(bound, goal_.time);
+}
+
+Status Search::run(std::chrono::duration<double> budget) {
+    const auto begin = std::chrono::steady_clock::now();
+    while (true) {
+        for (int count = 0; count < expansions_between_looks_at_the_clock; ++count) {
+            if (finished()) return goal_.parent == none ? Status::exhausted : Status::found;
+            const Waiting next = waiting_.top();
+            waiting_.pop();
+            if (nodes_[static_cast<std::size_t>(next.node)].covered) continue;
+            ++visited_;
+            expand(next.node);
+        }
+        if (bytes() > options_.memory) return Status::out_of_memory;
+        if (std::chrono::steady_clock::now() - begin > budget) return Status::running;
+    }
+}
+
+std::span<const Index> Search::step_to(NodeId node) const noexcept {
+    const auto width = static_cast<std::size_t>(tables_.components());
+    return std::span(steps_).subspan(static_cast<std::size_t>(node) * width, width);
+}
+
+std::vector<Index> Search::path_to(NodeId node) const {
+    std::vector<NodeId> chain;
+    for (; nodes_[static_cast<std::size_t>(node)].parent != none; node = nodes_[static_cast<std::size_t>(node)].parent)
+        chain.push_back(node);
+    std::vector<Index> path;
+    for (auto id = chain.rbegin(); id != chain.rend(); ++id) {
+        const auto step = step_to(*id);
+        path.insert(path.end(), step.begin(), step.end());
+    }
+    return path;
+}
+
+}  // namespace mitlplan

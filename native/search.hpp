@@ -1,0 +1,162 @@
+// Best-first search over the zone graph of a network.
+//
+// The waiting list is ordered by a lower bound on the objective, the time of the goal: the least time of the zone plus
+// what the map says still has to be driven (A*: Hart, Nilsson, Raphael 1968). A new zone that lies in one stored with
+// the same locations is dropped; because the time is extrapolated with lower constant minus infinity and upper constant
+// infinity (Behrmann et al. 2006), "later is never better" is part of the inclusion, and nothing else is discarded. The
+// first goal to leave the waiting list is the fastest; an empty list proves that there is none.
+// With `record`, states are told apart exactly and every step is kept: the graph in which loops are sought.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <queue>
+#include <unordered_map>
+
+#include "successors.hpp"
+
+namespace mitlplan {
+
+using NodeId = std::int32_t;
+
+enum class Status : int { running = 0, found = 1, exhausted = 2, out_of_memory = 3, past_horizon = 4 };
+
+struct Options {
+    bool record = false;  // keep every step, and compare zones by equality
+    bool endings = true;  // goals: a last step after which nothing is owed
+    bool parkings = true;  // goals: a step after which the driver may stand still for ever
+    Ticks horizon = tick_limit;  // goals later than this are of no interest
+    std::size_t memory = std::size_t{1} << 62;  // bytes
+};
+
+/// A joint step on the way to a goal or in the recorded graph.
+struct Goal {
+    NodeId parent = none;
+    StepKind kind = StepKind::ending;
+    std::vector<Index> edges;
+    Ticks time = 0;
+    bool strict = false;  // the time is an infimum that is not attained
+    Index moves = 0;
+};
+
+struct RecordedStep {
+    NodeId source;
+    NodeId target;
+    std::uint64_t marks;  // Büchi sets visited, a bit each; bit 0: the driver has moved
+};
+
+class Search {
+public:
+    Search(Tables tables, const Options& options);
+    Search(const Search&) = delete;
+    Search& operator=(const Search&) = delete;
+
+    /// Searches for about this long; `running` means: call again.
+    Status run(std::chrono::duration<double> budget);
+
+    /// A lower bound on the time of every goal not yet found.
+    Ticks lower_bound() const noexcept;
+    const Goal& goal() const noexcept { return goal_; }
+    const std::vector<RecordedStep>& recorded() const noexcept { return recorded_; }
+    std::size_t visited() const noexcept { return visited_; }
+    std::size_t stored() const noexcept { return nodes_.size(); }
+    std::size_t bytes() const noexcept;
+    const Tables& tables() const noexcept { return tables_; }
+
+    /// The edges of the joint steps that lead from the start to `node`, one after the other, a row of
+    /// `components` each.
+    std::vector<Index> path_to(NodeId node) const;
+    /// The edges of the joint step that led to `node` first.
+    std::span<const Index> step_to(NodeId node) const noexcept;
+    std::span<const Index> recorded_edges(std::size_t step) const noexcept {
+        const auto width = static_cast<std::size_t>(tables_.components());
+        return std::span(recorded_edges_).subspan(step * width, width);
+    }
+    std::span<const Index> locations_of(NodeId node) const noexcept {
+        return locations(nodes_[static_cast<std::size_t>(node)].state);
+    }
+
+private:
+    struct Node {
+        Index state;
+        NodeId parent;
+        NodeId next;  // the next one with the same locations
+        Index moves;
+        Bound* zone;
+        bool covered;
+    };
+
+    struct State {
+        Index active;
+        NodeId first;
+    };
+
+    struct Waiting {
+        Ticks estimate;
+        Index moves;
+        NodeId node;
+
+        friend auto operator<=>(const Waiting&, const Waiting&) = default;
+    };
+
+    /// Memory that is handed out piece by piece and never moves.
+    class Arena {
+    public:
+        Bound* allocate(std::size_t count);
+        std::size_t bytes() const noexcept { return bytes_; }
+
+    private:
+        std::vector<std::unique_ptr<Bound[]>> blocks_;
+        std::size_t free_ = 0;
+        std::size_t used_ = 0;
+        std::size_t bytes_ = 0;
+    };
+
+    std::span<const Index> locations(Index state) const noexcept {
+        const auto width = static_cast<std::size_t>(tables_.components());
+        return std::span(state_locations_).subspan(static_cast<std::size_t>(state) * width, width);
+    }
+    std::span<const Bound> zone_of(const Node& node) const noexcept {
+        const auto& state = states_[static_cast<std::size_t>(node.state)];
+        return {node.zone, dbm::size(active_[static_cast<std::size_t>(state.active)].dimension())};
+    }
+
+    void start();
+    void expand(NodeId node);
+    void take(NodeId parent, const ActiveClocks& clocks, std::span<const Bound> zone, StepKind kind,
+              const JointStep& step, bool silent);
+    void reach_goal(NodeId parent, const ActiveClocks& clocks, std::span<const Bound> zone, StepKind kind,
+                    const JointStep& step, Index moves);
+    void store(NodeId parent, const JointStep& step, Index state, const ActiveClocks& clocks, Index moves,
+               Ticks estimate);
+    bool finished() const noexcept;
+    Index find_state(std::span<const Index> locations);
+    Index find_active(std::span<const Index> locations);
+    /// A lower bound on the objective beyond this zone; past `tick_limit` if nothing can be reached.
+    Ticks estimate(std::span<const Bound> zone, const ActiveClocks& clocks, std::span<const Index> locations) const;
+
+    Tables tables_;
+    Options options_;
+    Successors successors_;
+    std::vector<Node> nodes_;
+    std::vector<Index> steps_;  // the joint step that led to each node
+    std::vector<State> states_;
+    std::vector<Index> state_locations_;
+    std::vector<Index> table_;  // open addressing: state + 1
+    std::vector<ActiveClocks> active_;
+    std::unordered_map<std::string, Index> active_index_;
+    std::priority_queue<Waiting, std::vector<Waiting>, std::greater<>> waiting_;
+    Arena arena_;
+    Goal goal_;
+    std::vector<RecordedStep> recorded_;
+    std::vector<Index> recorded_edges_;
+    std::size_t visited_ = 0;
+    // Room for the work at hand, kept to avoid allocating in the loop.
+    std::vector<Bound> driven_;
+    std::vector<Bound> guarded_;
+    std::vector<Bound> settled_;
+    std::string key_;
+    ActiveClocks scratch_;
+};
+
+}  // namespace mitlplan

@@ -1,0 +1,236 @@
+// The search as Python sees it: a dictionary of integer arrays in, integer arrays out. The arrays are copied and
+// validated once; `run` works for a while with the interpreter's lock released and comes back, so that Ctrl-C, progress
+// and time limits stay with Python.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+
+#include "bindings.hpp"
+#include "search.hpp"
+
+namespace nb = nanobind;
+
+namespace mitlplan {
+
+namespace {
+
+template <typename Entry>
+using Column = nb::ndarray<const Entry, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+template <typename Entry>
+std::vector<Entry> column(const nb::dict& tables, const char* name) {
+    if (!tables.contains(name)) throw nb::value_error((std::string("the tables lack ") + name).c_str());
+    try {
+        const auto array = nb::cast<Column<Entry>>(tables[name]);
+        return {array.data(), array.data() + array.shape(0)};
+    } catch (const nb::cast_error&) {
+        throw nb::value_error((std::string("the wrong type of array: ") + name).c_str());
+    }
+}
+
+Index number(const nb::dict& tables, const char* name) {
+    if (!tables.contains(name)) throw nb::value_error((std::string("the tables lack ") + name).c_str());
+    try {
+        return nb::cast<Index>(tables[name]);
+    } catch (const nb::cast_error&) {
+        throw nb::value_error((std::string("not a small integer: ") + name).c_str());
+    }
+}
+
+template <typename Entry>
+Rows<Entry> rows(std::vector<Index> start, std::vector<Entry> entries) {
+    detail::demand(detail::rises(start, start.empty() ? 0 : start.size() - 1, entries.size()), "rows");
+    return {std::move(start), std::move(entries)};
+}
+
+Ticks checked(Ticks ticks) {
+    if (ticks <= -tick_limit || ticks >= tick_limit) detail::throw_overflow();
+    return ticks;
+}
+
+void same_length(std::size_t a, std::size_t b) { detail::demand(a == b, "columns of different lengths"); }
+
+Rows<Constraint> read_guards(const nb::dict& from) {
+    const auto clocks = column<Index>(from, "guard_clock");
+    const auto uppers = column<std::uint8_t>(from, "guard_upper");
+    const auto stricts = column<std::uint8_t>(from, "guard_strict");
+    const auto values = column<Ticks>(from, "guard_value");
+    same_length(clocks.size(), uppers.size());
+    same_length(clocks.size(), stricts.size());
+    same_length(clocks.size(), values.size());
+    std::vector<Constraint> constraints;
+    for (std::size_t k = 0; k < clocks.size(); ++k) {
+        const Ticks bound = uppers[k] != 0 ? values[k] : -checked(values[k]);
+        constraints.push_back({clocks[k], uppers[k] != 0, stricts[k] != 0 ? less(bound) : less_equal(bound)});
+    }
+    return rows(column<Index>(from, "guard_start"), std::move(constraints));
+}
+
+Rows<ClockBounds> read_bounds(const nb::dict& from) {
+    const auto clocks = column<Index>(from, "bounds_clock");
+    const auto lowers = column<Ticks>(from, "bounds_lower");
+    const auto uppers = column<Ticks>(from, "bounds_upper");
+    same_length(clocks.size(), lowers.size());
+    same_length(clocks.size(), uppers.size());
+    // Negative: the clock is never compared from that side.
+    const auto constant = [](Ticks ticks) { return ticks < 0 ? no_bound : checked(ticks); };
+    std::vector<ClockBounds> bounds;
+    for (std::size_t k = 0; k < clocks.size(); ++k)
+        bounds.push_back({clocks[k], constant(lowers[k]), constant(uppers[k])});
+    return rows(column<Index>(from, "bounds_start"), std::move(bounds));
+}
+
+std::vector<Location> read_locations(const nb::dict& from) {
+    const auto invariants = column<Index>(from, "location_invariant");
+    const auto bounds = column<Index>(from, "location_bounds");
+    const auto emits = column<Index>(from, "location_emits");
+    const auto restless = column<Index>(from, "location_restless");
+    const auto targets = column<Index>(from, "location_target");
+    const auto clocks = column<Index>(from, "location_deadline_clock");
+    const auto deadlines = column<Ticks>(from, "location_deadline");
+    for (const std::size_t size :
+         {bounds.size(), emits.size(), restless.size(), targets.size(), clocks.size(), deadlines.size()})
+        same_length(size, invariants.size());
+    std::vector<Location> locations;
+    locations.reserve(invariants.size());
+    for (std::size_t k = 0; k < invariants.size(); ++k)
+        locations.push_back({invariants[k], bounds[k], emits[k], restless[k], targets[k], clocks[k], deadlines[k]});
+    return locations;
+}
+
+std::vector<Edge> read_edges(const nb::dict& from, const std::string& kind) {
+    const auto name = [&](const char* part) { return kind + "_" + part; };
+    const auto targets = column<Index>(from, name("target").c_str());
+    const auto guards = column<Index>(from, name("guard").c_str());
+    const auto resets = column<Index>(from, name("resets").c_str());
+    const auto reads = column<Index>(from, name("reads").c_str());
+    const auto avoids = column<Index>(from, name("avoids").c_str());
+    const auto emits = column<Index>(from, name("emits").c_str());
+    const auto marks = column<Index>(from, name("marks").c_str());
+    for (const std::size_t size :
+         {guards.size(), resets.size(), reads.size(), avoids.size(), emits.size(), marks.size()})
+        same_length(size, targets.size());
+    std::vector<Edge> edges;
+    edges.reserve(targets.size());
+    for (std::size_t k = 0; k < targets.size(); ++k)
+        edges.push_back({targets[k], guards[k], resets[k], reads[k], avoids[k], emits[k], marks[k]});
+    return edges;
+}
+
+Tables read_tables(const nb::dict& from) {
+    Tables tables;
+    tables.clocks = number(from, "clocks");
+    tables.time_clock = number(from, "time_clock");
+    tables.driver_clock = number(from, "driver_clock");
+    tables.words = number(from, "words");
+    tables.guards = read_guards(from);
+    tables.resets = rows(column<Index>(from, "reset_start"), column<Index>(from, "reset_clock"));
+    tables.signals = column<std::uint64_t>(from, "signals");
+    tables.bounds = read_bounds(from);
+    tables.component_start = column<Index>(from, "component_start");
+    tables.locations = read_locations(from);
+    const std::array<std::string, step_kinds> kinds{"move", "ending", "parking"};
+    for (std::size_t kind = 0; kind < step_kinds; ++kind) {
+        tables.edge_start[kind] = column<Index>(from, (kinds[kind] + "_start").c_str());
+        tables.edges[kind] = read_edges(from, kinds[kind]);
+    }
+    tables.parkable = column<std::uint8_t>(from, "parkable");
+    tables.distances = column<Ticks>(from, "distances");
+    return tables;
+}
+
+template <typename Entry>
+auto to_array(std::vector<Entry> entries) {
+    const std::size_t size = entries.size();
+    auto owner = std::make_unique<std::vector<Entry>>(std::move(entries));
+    Entry* const data = owner->data();
+    const nb::capsule capsule(owner.release(),
+                              [](void* held) noexcept { delete static_cast<std::vector<Entry>*>(held); });
+    return nb::ndarray<nb::numpy, Entry, nb::ndim<1>>(data, {size}, capsule);
+}
+
+}  // namespace
+
+void bind_search(nb::module_& module) {
+    nb::class_<Search>(module, "Search", "Best-first search over the zone graph of a network given as tables.")
+        .def(
+            "__init__",
+            [](Search* self, const nb::dict& tables, bool record, bool endings, bool parkings, Ticks horizon,
+               std::size_t memory) {
+                Options options;
+                options.record = record;
+                options.endings = endings;
+                options.parkings = parkings;
+                if (horizon >= 0) options.horizon = horizon;
+                if (memory > 0) options.memory = memory;
+                new (self) Search(read_tables(tables), options);
+            },
+            nb::arg("tables"), nb::kw_only(), nb::arg("record") = false, nb::arg("endings") = true,
+            nb::arg("parkings") = true, nb::arg("horizon") = -1, nb::arg("memory") = 0,
+            "Takes over the tables; `horizon` in ticks and `memory` in bytes, if positive, are limits.")
+        .def(
+            "run",
+            [](Search& self, double seconds) {
+                const nb::gil_scoped_release unlocked;
+                return static_cast<int>(self.run(std::chrono::duration<double>(seconds)));
+            },
+            nb::arg("seconds"), "Searches for about this long. 0: not done, 1: found, 2: exhausted, 3: out of memory.")
+        .def_prop_ro("found", [](const Search& self) { return self.goal().parent != none; }, "Whether a goal is known.")
+        .def_prop_ro("visited", &Search::visited, "States expanded.")
+        .def_prop_ro("stored", &Search::stored, "States stored.")
+        .def_prop_ro("bytes", &Search::bytes, "Memory in use.")
+        .def_prop_ro("lower_bound", &Search::lower_bound, "No goal is earlier, in ticks.")
+        .def_prop_ro(
+            "goal", [](const Search& self) { return std::tuple(self.goal().time, self.goal().strict); },
+            "The time of the goal, and whether it is an infimum that is not attained.")
+        .def(
+            "path",
+            [](const Search& self) {
+                if (self.goal().parent == none) throw nb::value_error("no goal has been found");
+                auto path = self.path_to(self.goal().parent);
+                path.insert(path.end(), self.goal().edges.begin(), self.goal().edges.end());
+                return std::pair(to_array(std::move(path)), static_cast<int>(self.goal().kind));
+            },
+            "The edges of all joint steps up to the goal, a row of components each; and the kind of the last step.")
+        .def(
+            "path_to",
+            [](const Search& self, NodeId node) {
+                if (node < 0 || static_cast<std::size_t>(node) >= self.stored()) throw nb::index_error("no such state");
+                return to_array(self.path_to(node));
+            },
+            nb::arg("node"), "The edges of the joint steps up to a state.")
+        .def(
+            "graph",
+            [](const Search& self) {
+                std::vector<NodeId> sources;
+                std::vector<NodeId> targets;
+                std::vector<std::uint64_t> marks;
+                for (const RecordedStep& step : self.recorded()) {
+                    sources.push_back(step.source);
+                    targets.push_back(step.target);
+                    marks.push_back(step.marks);
+                }
+                return std::tuple(to_array(std::move(sources)), to_array(std::move(targets)), to_array(std::move(marks)));
+            },
+            "Sources, targets and marks of all recorded steps.")
+        .def(
+            "recorded_edges",
+            [](const Search& self, std::size_t step) {
+                if (step >= self.recorded().size()) throw nb::index_error("no such step");
+                const auto edges = self.recorded_edges(step);
+                return to_array(std::vector<Index>(edges.begin(), edges.end()));
+            },
+            nb::arg("step"), "The edges of a recorded step.")
+        .def(
+            "locations",
+            [](const Search& self, NodeId node) {
+                if (node < 0 || static_cast<std::size_t>(node) >= self.stored()) throw nb::index_error("no such state");
+                const auto locations = self.locations_of(node);
+                return to_array(std::vector<Index>(locations.begin(), locations.end()));
+            },
+            nb::arg("node"), "The locations of a state.");
+}
+
+}  // namespace mitlplan

@@ -1,0 +1,203 @@
+// The joint steps of a network, and what a step does to a zone.
+//
+// A state is a location for each component and a zone over the clocks that are active there: those that some
+// component may still read before it resets them. The zone holds the valuations of the open phase: after the step that
+// led here, after some positive time, within the invariants, and extrapolated. The product is never built: `enumerate`
+// walks through the components, carrying the signals along, and calls back for each joint step.
+#pragma once
+
+#include <array>
+#include <cassert>
+
+#include "tables.hpp"
+#include "zone.hpp"
+
+namespace mitlplan {
+
+inline constexpr Index stands_still = -1;
+
+/// The clocks of a state, ascending, with clock 0 first, and their bounds for extrapolation.
+struct ActiveClocks {
+    std::vector<int> clocks;
+    std::vector<Ticks> lower;
+    std::vector<Ticks> upper;
+
+    int dimension() const noexcept { return static_cast<int>(clocks.size()); }
+    int position(Index clock) const noexcept {
+        const auto found = std::ranges::lower_bound(clocks, clock);
+        return found != clocks.end() && *found == clock ? static_cast<int>(found - clocks.begin()) : none;
+    }
+};
+
+/// What a joint step leads to: the locations behind it, and the edge that each component takes.
+struct JointStep {
+    std::vector<Index> targets;
+    std::vector<Index> edges;  // into the tables' edges of this kind; the driver's are moves, or `stands_still`
+};
+
+class Successors {
+public:
+    explicit Successors(const Tables& tables)
+        : tables_(tables),
+          signals_(static_cast<std::size_t>(tables.components() + 1) * static_cast<std::size_t>(tables.words)),
+          lower_(static_cast<std::size_t>(tables.clocks)),
+          upper_(static_cast<std::size_t>(tables.clocks)),
+          seen_(static_cast<std::size_t>(tables.clocks)) {
+        step_.targets.resize(static_cast<std::size_t>(tables.components()));
+        step_.edges.resize(static_cast<std::size_t>(tables.components()));
+    }
+
+    /// Calls `visit(step)` for each joint step of this kind from `locations`, the driver taking its edge
+    /// `driver_edge` or standing still.
+    template <typename Visit>
+    void enumerate(StepKind kind, std::span<const Index> locations, Index driver_edge, Visit&& visit) {
+        const Index driver_target = driver_edge == stands_still ? locations[0] : driver_move(driver_edge).target;
+        step_.targets[0] = driver_target;
+        step_.edges[0] = driver_edge;
+        const auto emitted = tables_.signal_set(tables_.locations[static_cast<std::size_t>(driver_target)].emits);
+        std::ranges::copy(emitted, signals_.begin());
+        descend(kind, locations, 1, visit);
+    }
+
+    /// The edges of the driver at `location`, as indices for `enumerate`.
+    std::pair<Index, Index> driver_edges(Index location) const noexcept {
+        const auto& start = tables_.edge_start[0];
+        return {start[static_cast<std::size_t>(location)], start[static_cast<std::size_t>(location) + 1]};
+    }
+
+    const Edge& driver_move(Index edge) const noexcept {
+        return tables_.edges[0][static_cast<std::size_t>(edge)];
+    }
+
+    const Edge& edge_of(StepKind kind, const JointStep& step, Index component) const noexcept {
+        const auto edge = static_cast<std::size_t>(step.edges[static_cast<std::size_t>(component)]);
+        return component == 0 ? tables_.edges[0][edge] : tables_.edges[static_cast<std::size_t>(kind)][edge];
+    }
+
+    /// Whether some component may profit from a step in which the driver stands still.
+    bool restless(std::span<const Index> locations) const noexcept {
+        const auto label = tables_.signal_set(tables_.locations[static_cast<std::size_t>(locations[0])].emits);
+        for (std::size_t component = 1; component < locations.size(); ++component) {
+            const Index signal = tables_.locations[static_cast<std::size_t>(locations[component])].restless;
+            if (signal == restless_always) return true;
+            if (signal >= 0 && (label[static_cast<std::size_t>(signal) / 64] >> (signal % 64) & 1) != 0) return true;
+        }
+        return false;
+    }
+
+    /// The active clocks of a state.
+    void active(std::span<const Index> locations, ActiveClocks& result) {
+        result.clocks.assign(1, 0);
+        if (tables_.time_clock != none) result.clocks.push_back(tables_.time_clock);
+        for (const Index location : locations)
+            for (const ClockBounds& bounds : tables_.bounds[tables_.locations[static_cast<std::size_t>(location)].bounds]) {
+                const auto clock = static_cast<std::size_t>(bounds.clock);
+                if (!seen_[clock]) {
+                    seen_[clock] = 1;
+                    lower_[clock] = bounds.lower;
+                    upper_[clock] = bounds.upper;
+                    result.clocks.push_back(bounds.clock);
+                } else {
+                    lower_[clock] = std::max(lower_[clock], bounds.lower);
+                    upper_[clock] = std::max(upper_[clock], bounds.upper);
+                }
+            }
+        std::ranges::sort(result.clocks);
+        result.lower.resize(result.clocks.size());
+        result.upper.resize(result.clocks.size());
+        for (std::size_t k = 1; k < result.clocks.size(); ++k) {
+            const auto clock = static_cast<std::size_t>(result.clocks[k]);
+            if (result.clocks[k] == tables_.time_clock) {
+                // Later is never better: no lower bound is ever asked of the time. What it is, is the objective.
+                result.lower[k] = no_bound;
+                result.upper[k] = std::numeric_limits<Ticks>::max();
+                continue;
+            }
+            result.lower[k] = lower_[clock];
+            result.upper[k] = upper_[clock];
+            seen_[clock] = 0;
+        }
+    }
+
+    /// Intersects a zone with a guard; false if nothing is left.
+    bool constrain(std::span<Bound> zone, const ActiveClocks& clocks, Index guard) const {
+        for (const Constraint& constraint : tables_.guards[guard]) {
+            const int position = clocks.position(constraint.clock);
+            assert(position != none);
+            const int i = constraint.upper ? position : 0;
+            const int j = constraint.upper ? 0 : position;
+            if (!dbm::constrain(zone, clocks.dimension(), i, j, constraint.bound)) return false;
+        }
+        return true;
+    }
+
+    /// Intersects a zone with the guards of a joint step; false if nothing is left.
+    bool constrain(std::span<Bound> zone, const ActiveClocks& clocks, StepKind kind, const JointStep& step) const {
+        for (Index component = step.edges[0] == stands_still ? 1 : 0; component < tables_.components(); ++component)
+            if (!constrain(zone, clocks, edge_of(kind, step, component).guard)) return false;
+        return true;
+    }
+
+    /// The zone behind a move, before time passes: clocks reset, inactive ones dropped.
+    void settle(std::span<const Bound> zone, const ActiveClocks& before, const JointStep& step,
+                const ActiveClocks& after, std::vector<Bound>& result) {
+        source_.assign(after.clocks.begin(), after.clocks.end());
+        for (int& clock : source_) clock = clock == 0 ? 0 : before.position(clock);
+        for (Index component = step.edges[0] == stands_still ? 1 : 0; component < tables_.components(); ++component)
+            for (const Index clock : tables_.resets[edge_of(StepKind::move, step, component).resets]) {
+                const int position = after.position(clock);
+                if (position != none) source_[static_cast<std::size_t>(position)] = fresh_clock;
+            }
+        result.resize(dbm::size(after.dimension()));
+        dbm::remap(zone, before.dimension(), source_, result);
+    }
+
+    /// The open phase: some time passes, within the invariants. False if none can.
+    bool elapse(std::span<Bound> zone, const ActiveClocks& clocks, std::span<const Index> locations) const {
+        dbm::up_strict(zone, clocks.dimension());
+        for (const Index location : locations)
+            if (!constrain(zone, clocks, tables_.locations[static_cast<std::size_t>(location)].invariant)) return false;
+        return true;
+    }
+
+private:
+    template <typename Visit>
+    void descend(StepKind kind, std::span<const Index> locations, Index component, Visit& visit) {
+        if (component == tables_.components()) {
+            visit(static_cast<const JointStep&>(step_));
+            return;
+        }
+        const auto words = static_cast<std::size_t>(tables_.words);
+        const auto position = static_cast<std::size_t>(component);
+        const std::uint64_t* const set = &signals_[(position - 1) * words];
+        std::uint64_t* const next = &signals_[position * words];
+        const Index location = locations[position];
+        const auto& start = tables_.edge_start[static_cast<std::size_t>(kind)];
+        const auto& edges = tables_.edges[static_cast<std::size_t>(kind)];
+        const Index last = start[static_cast<std::size_t>(location) + 1];
+        for (Index index = start[static_cast<std::size_t>(location)]; index < last; ++index) {
+            const Edge& edge = edges[static_cast<std::size_t>(index)];
+            const auto reads = tables_.signal_set(edge.reads);
+            const auto avoids = tables_.signal_set(edge.avoids);
+            const auto emits = tables_.signal_set(edge.emits);
+            bool enabled = true;
+            for (std::size_t word = 0; word < words && enabled; ++word)
+                enabled = (reads[word] & ~set[word]) == 0 && (avoids[word] & set[word]) == 0;
+            if (!enabled) continue;
+            for (std::size_t word = 0; word < words; ++word) next[word] = set[word] | emits[word];
+            step_.targets[position] = edge.target;
+            step_.edges[position] = index;
+            descend(kind, locations, component + 1, visit);
+        }
+    }
+
+    const Tables& tables_;
+    std::vector<std::uint64_t> signals_;
+    JointStep step_;
+    std::vector<Ticks> lower_;
+    std::vector<Ticks> upper_;
+    std::vector<std::uint8_t> seen_;
+    std::vector<int> source_;
+};
+
+}  // namespace mitlplan
