@@ -1,0 +1,433 @@
+"""Random small missions: from a seed (fast, for thousands) and as Hypothesis strategies (which shrink).
+
+Both draw from one generator: it asks a `Choices` for numbers, and a Choices is either a seeded
+``random.Random`` or a Hypothesis ``data`` object. The missions are small enough for the tick oracles and
+mean enough for the engine: one-way moves, dead ends, ranges of time, open ends, every nesting.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import product
+from typing import Literal, Protocol, TypeVar
+
+from hypothesis import strategies as st
+
+from mitlplan.logic import formula as f
+from mitlplan.logic.interval import ALWAYS, Interval
+from mitlplan.workspace.graph import Move, graph
+from mitlplan.workspace.workspace import Workspace
+
+Item = TypeVar("Item")
+Horizon = Literal["infinite", "finite"]
+UntilKind = Literal["standard", "closed"]
+
+
+@dataclass(frozen=True)
+class SmallMission:
+    """A mission on a graph, in plain values: what a test prints when it fails."""
+
+    cells: tuple[tuple[str, tuple[str, ...]], ...]
+    moves: tuple[tuple[str, str, Fraction, Fraction], ...]
+    waiting: bool
+    start: str
+    formula: f.Formula
+    horizon: Horizon = "infinite"
+    until: UntilKind = "standard"
+
+    def workspace(self) -> Workspace:
+        """The workspace as the product reads it."""
+        moves = [Move(origin, target, [least, most]) for origin, target, least, most in self.moves]
+        return graph(dict(self.cells), moves, waiting=self.waiting)
+
+    @property
+    def start_index(self) -> int:
+        """The number of the cell in which the robot starts."""
+        return [name for name, _ in self.cells].index(self.start)
+
+    @property
+    def tick_timed(self) -> bool:
+        """Whether every plan changes cells at whole times: then the tick oracles are exact."""
+        return not self.waiting and all(least == most for _, _, least, most in self.moves)
+
+    def yaml(self) -> str:
+        """The mission file, to reproduce a failure by hand."""
+        cells = ", ".join(f"{name}: [{', '.join(holds)}]" for name, holds in self.cells)
+        lines = ["mitlplan: 1", "workspace:", "  graph:", f"    cells: {{{cells}}}", "    moves:"]
+        for origin, target, least, most in self.moves:
+            time = f'"{least}"' if least == most else f'["{least}", "{most}"]'
+            lines.append(f"      - {{from: {origin}, to: {target}, time: {time}}}")
+        if not self.moves:
+            lines[-1] += " []"
+        lines += [
+            f"    waiting: {str(self.waiting).lower()}",
+            f"robot: {{start: {self.start}}}",
+            f'spec: "{text_of(self.formula)}"',
+            f"horizon: {self.horizon}",
+            f"until: {self.until}",
+        ]
+        return "\n".join(lines) + "\n"
+
+    def scaled(self, factor: Fraction) -> SmallMission:
+        """The same mission with every time multiplied."""
+        moves = tuple(
+            (origin, target, least * factor, most * factor) for origin, target, least, most in self.moves
+        )
+        return replace(self, moves=moves, formula=scaled(self.formula, factor))
+
+
+def text_of(formula: f.Formula) -> str:
+    """The formula with parentheses round every part: a second printer, that knows no precedence."""
+    match formula:
+        case f.Constant(value):
+            return str(value).lower()
+        case f.Atom(name):
+            return name
+        case f.Not(operand):
+            return f"!({text_of(operand)})"
+        case f.Next(operand):
+            return f"X ({text_of(operand)})"
+        case f.And(operands):
+            return " & ".join(f"({text_of(operand)})" for operand in operands)
+        case f.Or(operands):
+            return " | ".join(f"({text_of(operand)})" for operand in operands)
+        case f.Implies(left, right):
+            return f"({text_of(left)}) -> ({text_of(right)})"
+        case f.Iff(left, right):
+            return f"({text_of(left)}) <-> ({text_of(right)})"
+        case f.Eventually(operand, interval):
+            return f"F{_subscript(interval)} ({text_of(operand)})"
+        case f.Always(operand, interval):
+            return f"G{_subscript(interval)} ({text_of(operand)})"
+        case f.Until(left, right, interval):
+            return f"({text_of(left)}) U{_subscript(interval)} ({text_of(right)})"
+        case f.Release(left, right, interval):
+            return f"({text_of(left)}) R{_subscript(interval)} ({text_of(right)})"
+        case f.WeakUntil(left, right):
+            return f"({text_of(left)}) W ({text_of(right)})"
+
+
+def _subscript(interval: Interval) -> str:
+    return "" if interval == ALWAYS else str(interval)
+
+
+def scaled(formula: f.Formula, factor: Fraction) -> f.Formula:
+    """The formula with every bound multiplied; X is written out, for its step is one second."""
+    match formula:
+        case f.Next(operand):
+            return scaled(f.Eventually(operand, Interval(Fraction(1), Fraction(1))), factor)
+        case f.Eventually(operand, interval):
+            return f.Eventually(scaled(operand, factor), _scaled_interval(interval, factor))
+        case f.Always(operand, interval):
+            return f.Always(scaled(operand, factor), _scaled_interval(interval, factor))
+        case f.Until(left, right, interval):
+            return f.Until(scaled(left, factor), scaled(right, factor), _scaled_interval(interval, factor))
+        case f.Release(left, right, interval):
+            return f.Release(scaled(left, factor), scaled(right, factor), _scaled_interval(interval, factor))
+        case _:
+            return with_operands(formula, [scaled(operand, factor) for operand in operands_of(formula)])
+
+
+def _scaled_interval(interval: Interval, factor: Fraction) -> Interval:
+    upper = None if interval.upper is None else interval.upper * factor
+    return Interval(interval.lower * factor, upper, interval.lower_open, interval.upper_open)
+
+
+def operands_of(formula: f.Formula) -> tuple[f.Formula, ...]:
+    """The operands, in order."""
+    match formula:
+        case f.Constant() | f.Atom():
+            return ()
+        case f.And(operands) | f.Or(operands):
+            return operands
+        case f.Not(operand) | f.Next(operand) | f.Eventually(operand) | f.Always(operand):
+            return (operand,)
+        case f.Implies(left, right) | f.Iff(left, right) | f.WeakUntil(left, right):
+            return (left, right)
+        case f.Until(left, right) | f.Release(left, right):
+            return (left, right)
+
+
+def with_operands(formula: f.Formula, operands: Sequence[f.Formula]) -> f.Formula:
+    """The same operator over other operands."""
+    match formula:
+        case f.Constant() | f.Atom():
+            return formula
+        case f.And() | f.Or():
+            return type(formula)(tuple(operands))
+        case f.Not() | f.Next():
+            return type(formula)(operands[0])
+        case f.Eventually(_, interval) | f.Always(_, interval):
+            return type(formula)(operands[0], interval)
+        case f.Implies() | f.Iff() | f.WeakUntil():
+            return type(formula)(operands[0], operands[1])
+        case f.Until(_, _, interval) | f.Release(_, _, interval):
+            return type(formula)(operands[0], operands[1], interval)
+
+
+def temporal(formula: f.Formula) -> bool:
+    """Whether the outermost operator is temporal."""
+    return isinstance(
+        formula, (f.Eventually, f.Always, f.Until, f.Release, f.WeakUntil, f.Next)
+    )
+
+
+def parts(formula: f.Formula) -> Iterator[f.Formula]:
+    """Every subformula, the formula itself first."""
+    yield formula
+    for operand in operands_of(formula):
+        yield from parts(operand)
+
+
+# --- Choices -----------------------------------------------------------------------------------------------
+
+
+class Choices(Protocol):
+    """Where a generator gets its numbers from."""
+
+    def number(self, least: int, most: int) -> int:
+        """A whole number; the smaller the simpler."""
+
+
+@dataclass(frozen=True)
+class SeededChoices:
+    """Numbers from a seeded stream: the same seed gives the same mission on every machine."""
+
+    stream: random.Random
+
+    def number(self, least: int, most: int) -> int:
+        # randrange may change between versions of Python, random() is promised not to.
+        return least + int(self.stream.random() * (most - least + 1))
+
+
+@dataclass(frozen=True)
+class DrawnChoices:
+    """Numbers that Hypothesis draws, and shrinks."""
+
+    draw: st.DrawFn
+
+    def number(self, least: int, most: int) -> int:
+        return self.draw(st.integers(least, most))
+
+
+def _one_of(choices: Choices, items: Sequence[Item]) -> Item:
+    return items[choices.number(0, len(items) - 1)]
+
+
+def _chance(choices: Choices, percent: int) -> bool:
+    """True in that many of a hundred cases; false is the simpler."""
+    return choices.number(0, 99) >= 100 - percent
+
+
+# --- Formulas ----------------------------------------------------------------------------------------------
+
+
+@dataclass
+class _FormulaSource:
+    """Draws one formula: at most `budget` more temporal operators."""
+
+    choices: Choices
+    names: Sequence[str]
+    budget: int
+    open_ends: bool
+
+    def mission(self, depth: int) -> f.Formula:
+        """A formula whose outer parts mostly speak of time: a literal there is decided at once."""
+        if self.budget < 2 or _chance(self.choices, 30):
+            return self.formula(depth, one_shot=True)
+        self.budget -= 2
+        operands = tuple(self._timed(depth - 1, one_shot=True) for _ in range(2))
+        return f.Or(operands) if _chance(self.choices, 20) else f.And(operands)
+
+    def formula(self, depth: int, *, one_shot: bool) -> f.Formula:
+        """A formula at most so deep; punctual intervals and X only where `one_shot`."""
+        kind = self.choices.number(0, 9)
+        if depth == 0 or kind < 2:
+            return self._literal()
+        if kind < 5 or self.budget == 0:
+            return self._junction(depth - 1, one_shot)
+        self.budget -= 1
+        return self._timed(depth - 1, one_shot)
+
+    def _literal(self) -> f.Formula:
+        atom = f.Atom(_one_of(self.choices, self.names))
+        return f.Not(atom) if _chance(self.choices, 35) else atom
+
+    def _junction(self, depth: int, one_shot: bool) -> f.Formula:
+        kind = self.choices.number(0, 9)
+        if kind == 7:
+            return f.Not(self.formula(depth, one_shot=False))
+        if kind == 9:
+            return f.Iff(self.formula(depth, one_shot=False), self.formula(depth, one_shot=False))
+        if kind == 8:
+            return f.Implies(self.formula(depth, one_shot=False), self.formula(depth, one_shot=one_shot))
+        operands = tuple(self.formula(depth, one_shot=one_shot) for _ in range(2 + (kind == 6)))
+        return f.Or(operands) if kind in (2, 3) else f.And(operands)
+
+    def _timed(self, depth: int, one_shot: bool) -> f.Formula:
+        kind = self.choices.number(0, 19)
+        if kind < 8:
+            return f.Eventually(self.formula(depth, one_shot=one_shot), self._interval(one_shot))
+        if kind < 13:
+            return f.Always(self.formula(depth, one_shot=False), self._interval(one_shot))
+        if kind == 19 and one_shot:
+            return f.Next(self.formula(depth, one_shot=True))
+        left = self.formula(depth, one_shot=False)
+        if kind == 18:
+            return f.WeakUntil(left, self.formula(depth, one_shot=False))
+        if kind < 16:
+            return f.Until(left, self.formula(depth, one_shot=one_shot), self._interval(one_shot))
+        return f.Release(left, self.formula(depth, one_shot=False), self._interval(one_shot))
+
+    def _interval(self, one_shot: bool) -> Interval:
+        number, kind = self.choices.number, self.choices.number(0, 9)
+        if kind < 2:
+            return ALWAYS
+        lower = Fraction(number(0, 3) if kind > 5 else 0)
+        lower_open = self.open_ends and _chance(self.choices, 30)
+        if kind == 9:
+            return Interval(lower, None, lower_open)
+        if kind == 8 and one_shot:
+            return Interval(lower, lower)
+        upper = Fraction(number(int(lower) + 1, 4))
+        return Interval(lower, upper, lower_open, self.open_ends and _chance(self.choices, 30))
+
+
+def trivial(formula: f.Formula, until: UntilKind = "standard") -> bool:
+    """Whether some part without regard to time is always true, always false, or a constant.
+
+    Such a part is decided before it is known, by whoever notices: the least makespan of a formula with one
+    says more about simplification than about planning.
+    """
+    return any(
+        isinstance(junction, f.Constant)
+        or (isinstance(junction, (f.And, f.Or, f.Not, f.Implies, f.Iff)) and _decided(junction))
+        for part in parts(formula)
+        for junction in (part, *_joined(part, until))
+    )
+
+
+def _joined(formula: f.Formula, until: UntilKind) -> tuple[f.Formula, ...]:
+    """The junction that the closed until makes of the two sides."""
+    match formula:
+        case f.Until(left, right) | f.WeakUntil(left, right) if until == "closed":
+            return (f.And((left, right)),)
+        case f.Release(left, right) if until == "closed":
+            return (f.Or((left, right)),)
+        case _:
+            return ()
+
+
+def _decided(formula: f.Formula) -> bool:
+    leaves = sorted(set(_leaves(formula)), key=repr)
+    values = {
+        _value(formula, dict(zip(leaves, row))) for row in product((False, True), repeat=len(leaves))
+    }
+    return len(values) == 1
+
+
+def _leaves(formula: f.Formula) -> Iterator[f.Formula]:
+    if temporal(formula) or isinstance(formula, (f.Atom, f.Constant)):
+        yield formula
+    else:
+        for operand in operands_of(formula):
+            yield from _leaves(operand)
+
+
+def _value(formula: f.Formula, row: dict[f.Formula, bool]) -> bool:
+    if formula in row:
+        return row[formula]
+    values = [_value(operand, row) for operand in operands_of(formula)]
+    match formula:
+        case f.And():
+            return all(values)
+        case f.Or():
+            return any(values)
+        case f.Not():
+            return not values[0]
+        case f.Implies():
+            return not values[0] or values[1]
+        case _:
+            return values[0] == values[1]
+
+
+def draw_formula(
+    choices: Choices,
+    names: Sequence[str],
+    *,
+    depth: int = 3,
+    open_ends: bool = True,
+    until: UntilKind = "standard",
+) -> f.Formula:
+    """A formula with one to four temporal operators, not trivial."""
+    while True:
+        source = _FormulaSource(choices, names, budget=choices.number(1, 4), open_ends=open_ends)
+        formula = source.mission(depth)
+        if any(temporal(part) for part in parts(formula)) and not trivial(formula, until):
+            return formula
+
+
+# --- Missions ----------------------------------------------------------------------------------------------
+
+
+def draw_mission(choices: Choices) -> SmallMission:
+    """A small mission of any kind."""
+    names = ("A", "B", "C")[: choices.number(1, 3)]
+    waiting = _chance(choices, 35)
+    ranges = _chance(choices, 25)
+    # Freedom in time multiplies the plans to look through, so such maps are smaller.
+    count = choices.number(2, 3 if waiting and ranges else 4 if waiting or ranges else 5)
+    cells = tuple((f"c{index}", _draw_label(choices, names)) for index in range(count))
+    until: UntilKind = "closed" if _chance(choices, 20) else "standard"
+    formula = draw_formula(choices, names, open_ends=_chance(choices, 50), until=until)
+    return SmallMission(
+        cells=cells,
+        moves=tuple(_draw_moves(choices, [name for name, _ in cells], ranges)),
+        waiting=waiting,
+        start="c0",
+        formula=formula,
+        horizon="finite" if _chance(choices, 20) else "infinite",
+        until=until,
+    )
+
+
+def _draw_label(choices: Choices, names: Sequence[str]) -> tuple[str, ...]:
+    return tuple(name for name in names if _chance(choices, 40))
+
+
+def _draw_moves(
+    choices: Choices, names: Sequence[str], ranges: bool
+) -> Iterator[tuple[str, str, Fraction, Fraction]]:
+    unit = _chance(choices, 40)
+    dead_ends = _chance(choices, 10)
+    for origin in names:
+        others = [name for name in names if name != origin]
+        targets = [target for target in others if _chance(choices, 45)]
+        if not targets and not dead_ends:
+            targets = [_one_of(choices, others)]
+        for target in targets:
+            least = 1 if unit else choices.number(1, 3)
+            most = choices.number(least, 3) if ranges else least
+            yield origin, target, Fraction(least), Fraction(most)
+
+
+def random_mission(seed: int) -> SmallMission:
+    """The mission of that number."""
+    return draw_mission(SeededChoices(random.Random(seed)))
+
+
+@st.composite
+def missions(draw: st.DrawFn) -> SmallMission:
+    """Small missions."""
+    return draw_mission(DrawnChoices(draw))
+
+
+@st.composite
+def formulas(
+    draw: st.DrawFn, names: Sequence[str] = ("A", "B"), *, depth: int = 3, open_ends: bool = True
+) -> f.Formula:
+    """Formulas with one to four temporal operators."""
+    return draw_formula(DrawnChoices(draw), names, depth=depth, open_ends=open_ends)
