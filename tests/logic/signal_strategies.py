@@ -7,6 +7,7 @@ one end of an interval from the other.
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import accumulate, combinations
 
 from hypothesis import strategies as st
 
@@ -38,22 +39,24 @@ def _read(text: str) -> tuple[list[Segment], Fraction]:
     return segments, start
 
 
-@st.composite
-def stretches(draw: st.DrawFn, atoms: tuple[str, ...]) -> tuple[list[Segment], int]:
+def stretches(atoms: tuple[str, ...]) -> st.SearchStrategy[tuple[tuple[Segment, ...], int]]:
     """Segments in order, and the start of the one that would come next."""
-    labels = st.frozensets(st.sampled_from(atoms))
-    segments, start = [], 0
-    for _ in range(draw(st.integers(1, 6))):
-        segments.append(Segment(Fraction(start), draw(labels)))
-        start += draw(st.integers(1, 3))
-    return segments, start
+    labels = [frozenset(chosen) for size in range(len(atoms) + 1) for chosen in combinations(atoms, size)]
+    stays = st.sampled_from([(label, duration) for duration in (1, 2, 3) for label in labels])
+    return st.lists(stays, min_size=1, max_size=6).map(_in_order)
+
+
+def _in_order(stays: list[tuple[frozenset[str], int]]) -> tuple[tuple[Segment, ...], int]:
+    starts = list(accumulate((duration for _, duration in stays), initial=0))
+    segments = (Segment(Fraction(start), label) for (label, _), start in zip(stays, starts, strict=False))
+    return tuple(segments), starts[-1]
 
 
 @st.composite
 def looping_signals(draw: st.DrawFn, atoms: tuple[str, ...] = ATOMS) -> Signal:
     """Signals that repeat, from anywhere, also from within a segment."""
     segments, end = draw(stretches(atoms))
-    return Signal(tuple(segments), Fraction(end), Fraction(draw(st.integers(0, end - 1))))
+    return Signal(segments, Fraction(end), Fraction(draw(st.integers(0, end - 1))))
 
 
 @st.composite
@@ -61,7 +64,7 @@ def ending_signals(draw: st.DrawFn, atoms: tuple[str, ...] = ATOMS) -> Signal:
     """Signals that end, also at the very start of the last segment."""
     segments, end = draw(stretches(atoms))
     last = int(segments[-1].start)
-    return Signal(tuple(segments), Fraction(draw(st.integers(last, end))))
+    return Signal(segments, Fraction(draw(st.integers(last, end))))
 
 
 @st.composite
