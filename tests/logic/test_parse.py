@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from mitlplan.errors import FormulaError
 from mitlplan.logic.formula import (
+    MOST_LEVELS,
     Always,
     And,
     Atom,
@@ -26,7 +27,7 @@ from mitlplan.logic.formula import (
     WeakUntil,
 )
 from mitlplan.logic.interval import Interval
-from mitlplan.logic.parse import MOST_LEVELS, parse
+from mitlplan.logic.parse import parse
 from mitlplan.logic.show import show
 
 A, B, C, D = Atom("A"), Atom("B"), Atom("C"), Atom("D")
@@ -130,8 +131,11 @@ def test_precedence(text: str, formula: Formula) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    "a pos0 dock.3 wet_floor r7c12 Ab Küche z_ a. F1 F_ F_x G.1 UU Xa GF inf infinity "
-    "nothing order android truer true.1".split(),
+    [
+        *("a", "pos0", "dock.3", "wet_floor", "r7c12", "Ab", "Küche", "z_", "a."),
+        *("F1", "F_", "F_x", "G.1", "UU", "Xa", "GF", "inf", "infinity"),
+        *("nothing", "order", "android", "truer", "true.1"),
+    ],
 )
 def test_names(name: str) -> None:
     assert parse(name) == Atom(name)

@@ -128,3 +128,31 @@ Formula: TypeAlias = Union[
     Release,
     WeakUntil,
 ]
+
+MOST_LEVELS = 200
+"""How deep a formula may be nested, so that a function that calls itself for the operands stays safe."""
+
+
+def operands_of(formula: Formula) -> tuple[Formula, ...]:
+    """The formulas that `formula` is made of, from left to right.
+
+    Examples
+    --------
+    >>> operands_of(Until(Atom("corridor"), Atom("dock")))
+    (Atom(name='corridor'), Atom(name='dock'))
+    """
+    match formula:
+        case Constant() | Atom():
+            return ()
+        case And(operands) | Or(operands):
+            return operands
+        case Not(operand) | Eventually(operand) | Always(operand) | Next(operand):
+            return (operand,)
+        case (
+            Implies(left, right)
+            | Iff(left, right)
+            | Until(left, right)
+            | Release(left, right)
+            | WeakUntil(left, right)
+        ):
+            return left, right

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, TypeAlias, cast
 
 from mitlplan.errors import FormulaError
 from mitlplan.logic.formula import (
+    MOST_LEVELS,
     Always,
     And,
     Atom,
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
     _Tree: TypeAlias = Tree[Token]
 
 MOST_CHARACTERS = 200_000
-MOST_LEVELS = 200
 MOST_DIGITS = 18
 
 
