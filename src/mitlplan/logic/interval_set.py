@@ -178,10 +178,6 @@ class IntervalSet:
             upper = None if endless else (high // 2) * tick
             yield Interval((low // 2) * tick, upper, bool(low % 2), high % 2 == 0)
 
-    def first(self) -> Interval | None:
-        """The earliest maximal interval, in seconds, or ``None`` if the set is empty."""
-        return next(self.intervals(), None)
-
     def eventually(self, interval: Interval) -> IntervalSet:
         """The times from which some time in `interval` later (in seconds) belongs to the set."""
         window = _Window.of(self.axis, interval)
