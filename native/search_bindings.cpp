@@ -216,6 +216,15 @@ void bind_search(nb::module_& module) {
             },
             "Sources, targets and marks of all recorded steps.")
         .def(
+            "recorded_driver_edges",
+            [](const Search& self) {
+                std::vector<Index> edges;
+                for (std::size_t step = 0; step < self.recorded().size(); ++step)
+                    edges.push_back(self.recorded_edges(step)[0]);
+                return to_array(std::move(edges));
+            },
+            "The driver's edge of every recorded step; -1 where it stands still.")
+        .def(
             "recorded_edges",
             [](const Search& self, std::size_t step) {
                 if (step >= self.recorded().size()) throw nb::index_error("no such step");

@@ -19,8 +19,6 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from mitlplan.logic.core import Core
-
 TIME = "t"
 """The clock that is never reset: the time of the mission. Only upper bounds may be asked of it."""
 
@@ -148,7 +146,7 @@ class MapAutomaton:
     Parameters
     ----------
     initial
-        The cell the robot starts in.
+        The cells the robot may start in.
     label_sets, label_of
         ``label_sets[label_of[cell]]`` are the propositions of a cell.
     source, target
@@ -163,7 +161,7 @@ class MapAutomaton:
         Whether the robot may stay in a cell for ever.
     """
 
-    initial: int
+    initial: tuple[int, ...]
     label_sets: tuple[frozenset[str], ...]
     label_of: NDArray[np.int32]
     source: NDArray[np.int32]
@@ -187,9 +185,9 @@ class Network:
     Parameters
     ----------
     predicates
-        What each predicate signal means: a formula about the present label alone.
+        Where each predicate signal is set: indices into ``map.label_sets``.
     """
 
     map: MapAutomaton
     transducers: tuple[Transducer, ...]
-    predicates: Mapping[str, Core]
+    predicates: Mapping[str, frozenset[int]]

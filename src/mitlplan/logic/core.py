@@ -78,6 +78,27 @@ def propositional(core: Core) -> bool:
             return False
 
 
+def holds(core: Core, label: frozenset[str]) -> bool:
+    """Whether a propositional formula is true where `label` is the set of true propositions.
+
+    Raises
+    ------
+    ValueError
+        If `core` is not propositional.
+    """
+    match core:
+        case Truth(value):
+            return value
+        case Literal(name, positive):
+            return (name in label) == positive
+        case Conjunction(operands):
+            return all(holds(operand, label) for operand in operands)
+        case Disjunction(operands):
+            return any(holds(operand, label) for operand in operands)
+        case _:
+            raise ValueError("the truth of a temporal formula does not depend on the label alone")
+
+
 def negate(core: Core) -> Core:
     """The negation of `core`, pushed to the atoms."""
     match core:

@@ -135,7 +135,7 @@ def schedule(
     constraints = list(dict.fromkeys(differences(tables, path)))
     count = len(path.steps)
     times = _core.earliest_times(count, *columns(constraints))
-    scale = tables.scale * _infinitesimals_a_tick(times, constraints, epsilon * tables.scale)
+    scale = tables.scale * infinitesimals_a_tick(times, constraints, epsilon * tables.scale)
     factor = scale // tables.scale
     ticks = [time * factor + infinitesimals for time, infinitesimals in times]
     asked = list(range(count)) if asked is None else list(asked)
@@ -151,7 +151,7 @@ def schedule(
     return Schedule(tuple(Fraction(tick, scale) for tick in ticks), tuple(slack))
 
 
-def _infinitesimals_a_tick(
+def infinitesimals_a_tick(
     times: Sequence[tuple[int, int]], constraints: Sequence[Difference], epsilon: Fraction
 ) -> int:
     """How many infinitesimals make a tick, so that all constraints hold and the end is within `epsilon` ticks."""

@@ -31,7 +31,6 @@ from mitlplan.automata.transducer import (
     Restless,
     Transducer,
 )
-from mitlplan.logic.core import Conjunction, Core, Disjunction, Literal, Truth
 
 TICK_LIMIT = 2**60
 """Times beyond this many ticks are refused; the native side holds the same limit."""
@@ -69,21 +68,6 @@ class Tables:
     def components(self) -> int:
         """The number of components, the map included."""
         return len(self.arrays["component_start"]) - 1
-
-
-def holds(core: Core, label: frozenset[str]) -> bool:
-    """Whether a propositional formula holds where `label` is the set of true propositions."""
-    match core:
-        case Truth(value):
-            return value
-        case Literal(name, positive):
-            return (name in label) == positive
-        case Conjunction(operands):
-            return all(holds(operand, label) for operand in operands)
-        case Disjunction(operands):
-            return any(holds(operand, label) for operand in operands)
-        case _:
-            raise ValueError("a predicate speaks of the present label alone")
 
 
 def tabulate(network: Network, *, objective: bool = True) -> Tables:
@@ -220,10 +204,8 @@ class _Tabulation:
         durations = [self.ticks(duration) for duration in automaton.durations]
         labels = np.array(
             [
-                self.signal_set(
-                    name for name, core in self.network.predicates.items() if holds(core, label)
-                )
-                for label in automaton.label_sets
+                self.signal_set(name for name, where in self.network.predicates.items() if label in where)
+                for label in range(len(automaton.label_sets))
             ],
             dtype=np.int32,
         )
@@ -263,17 +245,17 @@ class _Tabulation:
         resets = self.resets((self.clock(MAP_CLOCK),) if MAP_CLOCK in self.clocks.numbers else ())
         empty = self.signal_set(())
         starts = np.searchsorted(automaton.source, np.arange(count + 1)).astype(np.int32)
-        moves = len(automaton.source)
+        moves, begins = len(automaton.source), len(automaton.initial)
         locations = {
             "invariant": np.append(invariants, 0),
             "bounds": np.append(bound_numbers[which.reshape(-1)], 0),
             "emits": np.append(labels[automaton.label_of], empty),
         }
         edges = {
-            "start": np.append(starts, moves + 1),
+            "start": np.append(starts, moves + begins),
             "target": np.append(automaton.target, automaton.initial),
-            "guard": np.append(guards, 0),
-            "resets": np.full(moves + 1, resets),
+            "guard": np.append(guards, np.zeros(begins)),
+            "resets": np.full(moves + begins, resets),
         }
         return locations, edges
 
@@ -450,9 +432,8 @@ class _Tabulation:
         first = np.append(True, np.any(ends[:, 1:] != ends[:, :-1], axis=0))[: len(order)]
         reverse = csr_array((weights[order][first], (ends[0, first], ends[1, first])), shape=(count, count))
         for index, name in enumerate(self.fields.numbers):
-            core = self.network.predicates[str(name)]
-            matching = np.array([holds(core, label) for label in automaton.label_sets], dtype=bool)
-            goals = np.flatnonzero(matching[automaton.label_of])
+            where = self.network.predicates[str(name)]
+            goals = np.flatnonzero(np.isin(automaton.label_of, list(where)))
             if len(goals) == 0:
                 result[index] = UNBOUNDED
                 continue
@@ -461,7 +442,8 @@ class _Tabulation:
             result[index, :count] = np.where(
                 finite, np.where(finite, reached, 0).astype(np.int64) // factor, UNBOUNDED
             )
-            result[index, count] = result[index, automaton.initial]
+            from_start = [ticks for ticks in result[index, list(automaton.initial)] if ticks != UNBOUNDED]
+            result[index, count] = min(from_start, default=UNBOUNDED)
         return result.reshape(-1)
 
 

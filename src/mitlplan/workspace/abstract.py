@@ -14,8 +14,8 @@ from mitlplan.automata.transducer import NEVER, MapAutomaton
 from mitlplan.workspace.workspace import UNLIMITED, Workspace
 
 
-def abstract(workspace: Workspace, start: int) -> MapAutomaton:
-    """The map automaton of `workspace` for a robot that starts in the cell `start`.
+def abstract(workspace: Workspace, *starts: int) -> MapAutomaton:
+    """The map automaton of `workspace` for a robot that starts in one of the cells `starts`.
 
     Examples
     --------
@@ -45,7 +45,7 @@ def abstract(workspace: Workspace, start: int) -> MapAutomaton:
         by_rank = np.array([*order, NEVER, zero], dtype=np.int32)
         invariant = by_rank[longest]
     return MapAutomaton(
-        initial=start,
+        initial=starts,
         label_sets=workspace.label_sets,
         label_of=workspace.label_of,
         source=workspace.source,

@@ -1,0 +1,377 @@
+"""The straight line from a mission to a checked plan.
+
+    mission -> core formula -> transducers -> network -> tables -> run -> timed path -> plan -> check
+
+:func:`plan` composes these arrows; each can be used alone. The same line, on a workspace in which anything may
+happen at any time, decides whether a formula is satisfiable.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import combinations
+from typing import Literal as Choice
+from typing import TypeAlias, Union
+
+from mitlplan.automata.transducer import Network
+from mitlplan.check import check, signal_of
+from mitlplan.compose import compose
+from mitlplan.endless import Question, Round, any_loop, fastest_loop
+from mitlplan.errors import TranslationError
+from mitlplan.logic.core import (
+    Conjunction,
+    Core,
+    CoreRelease,
+    CoreUntil,
+    Disjunction,
+    Literal,
+    Truth,
+    conjunction,
+    holds,
+)
+from mitlplan.logic.formula import Formula, Iff, Not
+from mitlplan.logic.normalize import co_safe, normalize
+from mitlplan.logic.semantics import satisfies
+from mitlplan.logic.signal import Signal
+from mitlplan.mission import Mission
+from mitlplan.plan import Infeasible, LimitReached, Loop, Outcome, Plan, Statistics, Step
+from mitlplan.search.fastest import Exhausted, Found, Limits, Progress, Stopped, fastest_run
+from mitlplan.search.schedule import STANDS_STILL, schedule
+from mitlplan.search.tables import Tables, tabulate
+from mitlplan.translation.compact.translate import translate
+from mitlplan.workspace.universal import universal
+
+__all__ = [
+    "Answer",
+    "Progress",
+    "Satisfiable",
+    "Unsatisfiable",
+    "compose",
+    "equivalent",
+    "plan",
+    "satisfiable",
+    "valid",
+]
+
+MOST_ATOMS = 12
+"""Of a formula to be decided."""
+
+Construction: TypeAlias = Choice["compact"]
+UntilKind: TypeAlias = Choice["standard", "closed"]
+Report: TypeAlias = Callable[[Progress], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Satisfiable:
+    """A signal that satisfies the formula; it repeats, or anything may follow it."""
+
+    signal: Signal
+
+
+@dataclass(frozen=True, slots=True)
+class Unsatisfiable:
+    """A proof that no signal satisfies the formula: the search was exhausted."""
+
+
+Answer: TypeAlias = Union[Satisfiable, Unsatisfiable, LimitReached]
+
+
+def core_of(mission: Mission) -> Core:
+    """All requirements of a mission as one formula in normal form."""
+    return conjunction(
+        *(
+            normalize(requirement.formula, mission.until, horizon=mission.horizon)
+            for requirement in mission.spec
+        )
+    )
+
+
+def plan(
+    mission: Mission,
+    *,
+    construction: Construction = "compact",
+    time_limit: float | None = None,
+    memory_limit: int | None = None,
+    progress: Report | None = None,
+) -> Outcome:
+    """The fastest plan for a mission, checked by the independent judge.
+
+    Parameters
+    ----------
+    mission
+        What is to be done, and where.
+    construction
+        How formulas become automata.
+    time_limit, memory_limit
+        When to give up: seconds and megabytes.
+    progress
+        Called a few times a second while the search goes on.
+
+    Returns
+    -------
+    Plan, Infeasible or LimitReached
+        A plan has passed the judge; infeasible is a proof.
+
+    Examples
+    --------
+    >>> from mitlplan.mission import mission_from_mapping
+    >>> print(plan(mission_from_mapping({
+    ...     "mitlplan": 1,
+    ...     "workspace": {"grid": {"rows": 2, "columns": 2, "regions": {"A": [[1, 0]], "B": [[0, 1]]}}},
+    ...     "robot": {"start": "r0c0"},
+    ...     "spec": "(!A U B) & F A",
+    ... })))
+    0 r0c0 -> 1 r0c1 -> 2 r0c0 -> 3 r1c0
+    """
+    del construction  # there is one so far
+    limits = Limits(time_limit, memory_limit, progress).begin()
+    outcome = _planning(mission, limits).outcome()
+    match outcome:
+        case Plan():
+            fault = check(mission, outcome)
+            if fault is not None:
+                raise AssertionError(f"the plan found does not pass the judge, a defect of mitlplan: {fault}")
+            return replace(outcome, checked=True)
+        case Infeasible():
+            return replace(outcome, conflict=_conflict(mission, limits))
+        case LimitReached():
+            return outcome
+
+
+class _Planning:
+    """One mission on its way down the line."""
+
+    def __init__(self, question: Question, horizon: Choice["infinite", "finite"], limits: Limits) -> None:
+        self.question = question
+        self.horizon = horizon
+        self.limits = limits
+        self.seconds: dict[str, float] = {}
+        self.states = 0
+        self.size = (0, 0)
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        begin = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - begin
+
+    def outcome(self, *, fastest: bool = True) -> Outcome:
+        """The answer; not `fastest`: any plan will do."""
+        question = self.question
+        with self.stage("translate"):
+            network = compose(question.workspace, question.starts, question.core, horizon=self.horizon)
+            tables = tabulate(network)
+            self.size = _size(network)
+        endless = self.horizon == "infinite" and not co_safe(question.core)
+        with self.stage("search"):
+            result = fastest_run(tables, self.limits, parkings=endless)
+        self.states += result.states
+        match result:
+            case Stopped(reason, reached):
+                return LimitReached(reason, reached, self.statistics())
+            case Found():
+                best: Plan | None = self.plan_of_run(tables, result)
+            case Exhausted():
+                best = None
+        if not endless or (best is not None and not fastest):
+            return best or self.infeasible()
+        with self.stage("loops"):
+            if fastest:
+                loops = fastest_loop(question, best.makespan if best else None, self.limits)
+            else:
+                loops = any_loop(question, self.limits)
+        self.states += loops.states
+        if loops.loop is not None:
+            best = self.plan_of_round(loops.loop)
+        if best is not None:
+            bound = min(best.makespan, loops.bound) if loops.exists is not False else best.makespan
+            return replace(best, bound=bound, statistics=self.statistics())
+        if loops.exists is False:
+            return self.infeasible()
+        return LimitReached(loops.reason, loops.bound, self.statistics())
+
+    def infeasible(self) -> Infeasible:
+        reason = "every run of the robot on this map violates the mission"
+        return Infeasible(reason, statistics=self.statistics())
+
+    def statistics(self) -> Statistics:
+        locations, edges = self.size
+        return Statistics("compact", locations, edges, self.states, dict(self.seconds))
+
+    def plan_of_run(self, tables: Tables, found: Found) -> Plan:
+        """A finite or parking plan."""
+        workspace, epsilon = self.question.workspace, self.question.epsilon
+        moves = [step for step, row in enumerate(found.path.steps) if row[0] != STANDS_STILL]
+        timed = schedule(tables, found.path, epsilon, moves)
+        cells = tables.arrays["move_target"][found.path.steps[moves, 0]].tolist()
+        parks = found.path.last == "parking"
+        leaves = [*(timed.times[step] for step in moves[1:]), None if parks else timed.times[-1]]
+        steps = tuple(
+            Step(workspace.names[cell], timed.times[step], leave, self.shown(cell), timed.slack[step])
+            for cell, step, leave in zip(cells, moves, leaves, strict=True)
+        )
+        return Plan(
+            steps,
+            found.time,
+            Loop(len(steps) - 1, None) if parks else None,
+            attained=found.attained,
+            epsilon=None if found.attained else epsilon,
+            bound=found.time,
+        )
+
+    def plan_of_round(self, loop: Round) -> Plan:
+        """A looping plan."""
+        workspace = self.question.workspace
+        steps = []
+        now = Fraction(0)
+        for stay in (*loop.prefix, *loop.cycle):
+            leave = now + stay.duration
+            steps.append(Step(workspace.names[stay.cell], now, leave, self.shown(stay.cell), Fraction(0)))
+            now = leave
+        period = sum((stay.duration for stay in loop.cycle), Fraction(0))
+        return Plan(tuple(steps), loop.makespan, Loop(len(loop.prefix), period))
+
+    def shown(self, cell: int) -> tuple[str, ...]:
+        return tuple(sorted(self.question.workspace.holds(cell)))
+
+
+def _planning(mission: Mission, limits: Limits) -> _Planning:
+    question = Question(
+        mission.workspace,
+        (mission.start,),
+        tuple(requirement.formula for requirement in mission.spec),
+        core_of(mission),
+        mission.until,
+        mission.epsilon,
+    )
+    return _Planning(question, mission.horizon, limits)
+
+
+def _size(network: Network) -> tuple[int, int]:
+    """Locations and edges of the components; the product is never built."""
+    locations = network.map.location_count + sum(len(one.locations) for one in network.transducers)
+    edges = len(network.map.source) + sum(len(one.edges) for one in network.transducers)
+    return locations, edges
+
+
+def _conflict(mission: Mission, limits: Limits) -> tuple[str, ...]:
+    """A minimal set of requirements that already exclude each other: each is dropped in turn."""
+    kept = list(mission.spec)
+    for requirement in mission.spec:
+        rest = tuple(other for other in kept if other is not requirement)
+        if not rest:
+            break
+        remaining = limits.remaining()
+        if remaining is not None and remaining <= 0:
+            break
+        part = replace(mission, spec=rest)
+        if isinstance(_planning(part, limits).outcome(fastest=False), Infeasible):
+            kept = list(rest)
+    return tuple(requirement.name for requirement in kept)
+
+
+# ------------------------------------------------------------------------------------------- decisions on formulas
+
+
+def satisfiable(
+    formula: Formula,
+    *,
+    until: UntilKind = "standard",
+    time_limit: float | None = None,
+    memory_limit: int | None = None,
+    progress: Report | None = None,
+) -> Answer:
+    """Whether any right-continuous signal satisfies a formula: one that does, or a proof that none does.
+
+    The workspace has a cell for each valuation of the atoms, and anything may happen at any time.
+
+    Examples
+    --------
+    >>> from mitlplan.logic.parse import parse
+    >>> satisfiable(parse("F[1,2] A & G !A"))
+    Unsatisfiable()
+    """
+    core = normalize(formula, until, horizon="infinite")
+    workspace = universal(_labels_to_tell_apart(core))
+    starts = tuple(range(workspace.cell_count))
+    question = Question(workspace, starts, (formula,), core, until, Fraction(1, 1000))
+    limits = Limits(time_limit, memory_limit, progress).begin()
+    outcome = _Planning(question, "infinite", limits).outcome(fastest=False)
+    match outcome:
+        case Plan():
+            signal = signal_of(outcome.steps, outcome.loop)
+            if not satisfies(formula, signal, until=until):
+                raise AssertionError("the witness does not pass the judge, a defect of mitlplan")
+            return Satisfiable(signal)
+        case LimitReached():
+            return outcome
+        case Infeasible():
+            return Unsatisfiable()
+
+
+def _labels_to_tell_apart(core: Core) -> list[frozenset[str]]:
+    """A label for each combination of truth values that the predicates of a formula can take."""
+    predicates = translate(core).predicates.values()
+    names = sorted(set().union(*(_atoms(predicate) for predicate in predicates)))
+    if len(names) > MOST_ATOMS:
+        raise TranslationError(
+            f"the formula has {len(names)} atoms; to decide it takes a state for each of their valuations, "
+            f"and at most {MOST_ATOMS} atoms are allowed"
+        )
+    labels: dict[tuple[bool, ...], frozenset[str]] = {}
+    for count in range(len(names) + 1):
+        for chosen in combinations(names, count):
+            label = frozenset(chosen)
+            labels.setdefault(tuple(holds(predicate, label) for predicate in predicates), label)
+    return list(labels.values())
+
+
+def _atoms(core: Core) -> frozenset[str]:
+    match core:
+        case Truth():
+            return frozenset()
+        case Literal(name):
+            return frozenset((name,))
+        case Conjunction(operands) | Disjunction(operands):
+            return frozenset().union(*map(_atoms, operands))
+        case CoreUntil(left, right) | CoreRelease(left, right):
+            return _atoms(left) | _atoms(right)
+
+
+def valid(
+    formula: Formula,
+    *,
+    until: UntilKind = "standard",
+    time_limit: float | None = None,
+    memory_limit: int | None = None,
+    progress: Report | None = None,
+) -> Answer:
+    """Whether every signal satisfies a formula; the answer speaks of the negation, a signal being a counter-example."""
+    return satisfiable(
+        Not(formula), until=until, time_limit=time_limit, memory_limit=memory_limit, progress=progress
+    )
+
+
+def equivalent(
+    formula: Formula,
+    other: Formula,
+    *,
+    until: UntilKind = "standard",
+    time_limit: float | None = None,
+    memory_limit: int | None = None,
+    progress: Report | None = None,
+) -> Answer:
+    """Whether two formulas mean the same; the answer speaks of their difference."""
+    return valid(
+        Iff(formula, other),
+        until=until,
+        time_limit=time_limit,
+        memory_limit=memory_limit,
+        progress=progress,
+    )
