@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import contextlib
 import re
 from decimal import Decimal
 from fractions import Fraction
@@ -78,7 +79,9 @@ def test_fractions_come_back(number: Fraction) -> None:
 
 @given(st.from_regex(PATTERN, fullmatch=True))
 def test_the_published_pattern_is_what_is_read(text: str) -> None:
-    try:
+    # Only what a pattern cannot say is refused beyond it.
+    with contextlib.suppress(ValueError):
+        assert exact(text) >= 0
+        return
+    with pytest.raises(ValueError, match=r"divides by zero|out of range|too long"):
         exact(text)
-    except ValueError as error:
-        assert re.search("divides by zero|out of range|too long", str(error))

@@ -76,8 +76,6 @@ class Construction(str, Enum):
     """How formulas become automata."""
 
     compact = "compact"
-    seed = "seed"
-    published = "published"
 
 
 def _exact_option(text: str | None) -> str | None:

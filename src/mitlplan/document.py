@@ -105,7 +105,8 @@ def _locate(root: _Node | None, fault: Fault) -> tuple[int, int]:
                 node = entries[step]
             case list() as items, int() if 0 <= step < len(items):
                 node = items[step]
-    node = node.keys.get(fault.key or "", node)
+    if fault.key is not None:
+        node = node.keys.get(fault.key, node)
     return node.line, node.column
 
 

@@ -88,3 +88,7 @@ class PlanFileError(MitlplanError):
 
 class TranslationError(MitlplanError):
     """A formula that no automaton of the chosen construction can express."""
+
+
+class TrajectoryError(MitlplanError):
+    """A plan that the robot cannot drive: the message names the cell and the limit."""

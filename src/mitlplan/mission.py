@@ -329,7 +329,7 @@ def _check_atoms(formula: Formula, text: str, known: Sequence[str]) -> None:
                 text,
                 place.start() if place else 0,
                 length=len(name),
-                hint=f"{advise(name, known, 'propositions')} (or list it as one of the map's propositions)",
+                hint=f"{advise(name, known, 'propositions')} (or give the map propositions: [{name}])",
             )
 
 

@@ -8,6 +8,7 @@ programmers; :func:`faults` says the same for people, with the nearest known key
 from __future__ import annotations
 
 import difflib
+import reprlib
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Annotated, Any, ClassVar, Literal
@@ -297,10 +298,10 @@ class MissionKeys(Keys):
 def faults(error: ValidationError, data: object) -> Iterator[Fault]:
     """What a validation of `data` found, in sentences."""
     for detail in error.errors(include_url=False):
-        key = str(detail.get("ctx", {}).get("key", "")) or None
-        if detail["loc"][-1:] == ("[key]",):
-            key = str(detail["loc"][-2])
-        yield Fault(_sentence(detail), _path(detail["loc"], data), key)
+        loc, key = detail["loc"], detail.get("ctx", {}).get("key")
+        if loc[-1:] == ("[key]",):
+            loc, key = loc[:-2], loc[-2]
+        yield Fault(_sentence(detail), _path(loc, data), None if key is None else str(key))
 
 
 def _path(loc: tuple[str | int, ...], data: object) -> tuple[str | int, ...]:
@@ -330,8 +331,6 @@ def _sentence(detail: ErrorDetails) -> str:
             return f"the key '{detail['loc'][-1]}' is missing"
         case "string_type":
             return f"a text is expected, not {given}"
-        case "too_long":
-            return f"at most {context['max_length']} are read"
         case "list_type":
             return f"a list is expected, not {given}"
         case "dict_type" | "model_type":
@@ -340,7 +339,11 @@ def _sentence(detail: ErrorDetails) -> str:
             return detail["msg"]
 
 
+_BRIEF = reprlib.Repr()
+_BRIEF.maxstring = _BRIEF.maxother = 60
+
+
 def shorten(value: object) -> str:
     """A value as Python writes it, cut short."""
-    text = repr(value)
+    text = _BRIEF.repr(value)
     return text if len(text) <= 40 else f"{text[:37]}..."

@@ -105,5 +105,5 @@ def test_refused_moves(move: Move, message: str, where: tuple[str | int, ...]) -
 
 
 def test_a_workspace_has_a_cell() -> None:
-    with pytest.raises(WorkspaceError, match="^the workspace has no cell$"):
+    with pytest.raises(WorkspaceError, match=r"^the workspace has no cell$"):
         graph({}, [])

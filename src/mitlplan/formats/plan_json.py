@@ -11,7 +11,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, ValidationError
 
 from mitlplan.document import Document, read_document
 from mitlplan.errors import MissionError, PlanFileError
@@ -159,6 +159,12 @@ def _text(time: Fraction | None) -> str | None:
 _Time = Annotated[Fraction, PlainValidator(exact)]
 
 
+def _not_too_many(steps: object) -> object:
+    if isinstance(steps, list) and len(steps) > _MOST_STEPS:
+        raise ValueError(f"{len(steps)} steps are too many; at most {_MOST_STEPS} are read")
+    return steps
+
+
 class _Keys(BaseModel):
     # Later versions and other programs may add keys of their own.
     model_config = ConfigDict(extra="ignore", frozen=True)
@@ -184,7 +190,7 @@ class _PlanKeys(_Keys):
     bound: _Time | None = None
     attained: Flag | None = True
     epsilon: _Time | None = None
-    steps: Annotated[list[_StepKeys], Field(max_length=_MOST_STEPS)] = []
+    steps: Annotated[list[_StepKeys], BeforeValidator(_not_too_many)] = []
     loop: _LoopKeys | None = None
     reason: str | None = None
     conflict: list[Name] = []
