@@ -113,8 +113,9 @@ def scaled(node: f.Formula, factor: Fraction) -> f.Formula:
         case f.And(operands) | f.Or(operands):
             return type(node)(tuple(scaled(operand, factor) for operand in operands))
         case _:
-            values = {field.name: getattr(node, field.name) for field in fields(node)}
-            return replace(node, **{name: stretched(value, factor) for name, value in values.items()})
+            changed = {field.name: stretched(getattr(node, field.name), factor) for field in fields(node)}
+            # mypy knows no replace for a union of dataclasses.
+            return replace(node, **changed)  # type: ignore[arg-type]
 
 
 def stretched(value: Interval | f.Formula, factor: Fraction) -> Interval | f.Formula:
@@ -297,6 +298,12 @@ def test_a_finite_horizon_by_hand(text: str, signal: Signal, expected: bool) -> 
 def test_what_is_true_of_every_label_is_known_after_the_end(text: str) -> None:
     assert satisfies(parse(text), ending("- 0"))
     assert not satisfies(f.Not(parse(text)), ending("- 0"))
+
+
+def test_what_the_closed_operators_ask_of_every_label_is_known_after_the_end() -> None:
+    for text in ("b R !b", "!(!b U b)", "F[2,2] ((a & b) R (!a | !b))"):
+        assert satisfies(parse(text), ending("- 0"), until="closed")
+        assert not satisfies(parse(text), ending("b 0"))
 
 
 @pytest.mark.parametrize("text", ["F[2,2] (a | !b)", "F[2,2] (a | b)", "F[2,2] (a <-> b)", "F a | G !a"])

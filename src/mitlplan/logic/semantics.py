@@ -18,7 +18,7 @@ from fractions import Fraction
 from functools import reduce
 from math import lcm
 from operator import and_, or_
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 
 from mitlplan.logic.formula import (
     Always,
@@ -39,6 +39,8 @@ from mitlplan.logic.formula import (
 from mitlplan.logic.interval import ALWAYS, Interval
 from mitlplan.logic.interval_set import Axis, IntervalSet, intersection, union
 from mitlplan.logic.signal import Signal
+
+_Operator: TypeAlias = Callable[[IntervalSet, IntervalSet, Interval], IntervalSet]
 
 _ONE_LATER = Interval(Fraction(1), Fraction(1))
 
@@ -161,10 +163,13 @@ class _Judge:
 
     def _evaluated(self, claim: _Claim) -> IntervalSet:
         sides = [self.surely(operand) for operand in _operands(claim)]
+        if self.closed_until and isinstance(claim.formula, (Until, Release, WeakUntil)):
+            sides[1] = self._closed(claim, *sides)
         # A negation turns every operator into its dual; the operands are negated already.
-        until, release = self._until, self._release
+        until: _Operator = IntervalSet.until
+        release: _Operator = self._release
         everything, nothing = IntervalSet.everything(self.axis), IntervalSet.nothing(self.axis)
-        either: Callable[[IntervalSet, IntervalSet], IntervalSet] = or_
+        either: Callable[[IntervalSet, IntervalSet], IntervalSet] = or_  # of the two cases of a weak until
         if not claim.positive:
             until, release, everything, nothing, either = release, until, nothing, everything, and_
         match claim.formula:
@@ -189,12 +194,13 @@ class _Judge:
             case WeakUntil():
                 return either(release(nothing, sides[0], ALWAYS), until(sides[0], sides[1], ALWAYS))
 
-    def _until(self, left: IntervalSet, right: IntervalSet, interval: Interval) -> IntervalSet:
-        return left.until(left & right if self.closed_until else right, interval)
+    def _closed(self, claim: _Claim, left: IntervalSet, right: IntervalSet) -> IntervalSet:
+        """The right side with which the standard operator means the closed one."""
+        if isinstance(claim.formula, Release) == claim.positive:
+            return left | right | self._known_of_every_label(_operands(claim))
+        return left & right
 
     def _release(self, left: IntervalSet, right: IntervalSet, interval: Interval) -> IntervalSet:
-        if self.closed_until:
-            right = left | right
         sure = ~(~left).until(~right, interval)
         if not self.finite_horizon or interval.upper is not None:
             return sure
@@ -206,9 +212,13 @@ class _Judge:
             return intersection(self.axis, sides)
         if isinstance(claim.formula, Iff):
             sides = [sides[0] & sides[1], sides[2] & sides[3]]
-        if self.unknown and _true_of_every_label(claim):
-            sides.append(self.unknown)
-        return union(self.axis, sides)
+        return union(self.axis, [*sides, self._known_of_every_label([claim])])
+
+    def _known_of_every_label(self, disjuncts: Iterable[_Claim]) -> IntervalSet:
+        """The times after the signal's end, if there one of `disjuncts` holds whatever the label is."""
+        if self.unknown and _cover_every_label(disjuncts):
+            return self.unknown
+        return IntervalSet.nothing(self.axis)
 
 
 def _operands(claim: _Claim) -> tuple[_Claim, ...]:
@@ -289,10 +299,10 @@ def _held(atoms: set[Atom], signal: Signal, axis: Axis) -> Iterator[tuple[Atom, 
         yield atom, IntervalSet(axis, tuple(cuts[atom.name]))
 
 
-def _true_of_every_label(claim: _Claim) -> bool:
-    """Whether those disjuncts of `claim` that have no temporal operator cover every label."""
-    present = [part for part in _disjuncts(claim) if _propositional(part)]
-    names = {node.name for claim in present for node, _ in _parts(claim) if isinstance(node, Atom)}
+def _cover_every_label(claims: Iterable[_Claim]) -> bool:
+    """Whether those disjuncts of `claims` that have no temporal operator cover every label."""
+    present = [part for claim in claims for part in _disjuncts(claim) if _propositional(part)]
+    names = {node.name for part in present for node, _ in _parts(part) if isinstance(node, Atom)}
     if len(names) > _MOST_ATOMS:
         return False
     # A label is a bit: the table of the i-th atom has 2^i ones, 2^i zeros, 2^i ones, and so on.
