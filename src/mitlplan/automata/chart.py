@@ -10,7 +10,7 @@ from mitlplan.automata.transducer import NEVER, Constraint, Guard, MapAutomaton,
 
 
 def chart(map_automaton: MapAutomaton, names: Sequence[str], *, clock: str = "z") -> Automaton:
-    """A location a cell and an edge a move, with the time in the cell as `clock`.
+    """A location a cell and an edge a move, with the time in a cell as `clock`, from the first start.
 
     Parameters
     ----------
@@ -22,7 +22,8 @@ def chart(map_automaton: MapAutomaton, names: Sequence[str], *, clock: str = "z"
         Location(name, _at_most(clock, durations, int(bound)))
         for name, bound in zip(names, map_automaton.invariant, strict=True)
     )
-    moves = zip(map_automaton.source, map_automaton.target, map_automaton.least, map_automaton.most, strict=True)
+    ends = zip(map_automaton.source, map_automaton.target, strict=True)
+    stays = zip(map_automaton.least, map_automaton.most, strict=True)
     edges = tuple(
         Edge(
             int(source),
@@ -30,9 +31,9 @@ def chart(map_automaton: MapAutomaton, names: Sequence[str], *, clock: str = "z"
             guard=(_at_least(clock, durations[int(least)]), *_at_most(clock, durations, int(most))),
             resets=frozenset({clock}),
         )
-        for source, target, least, most in moves
+        for (source, target), (least, most) in zip(ends, stays, strict=True)
     )
-    return Automaton("map", locations, edges, map_automaton.initial)
+    return Automaton("map", locations, edges, map_automaton.initial[0])
 
 
 def _at_least(clock: str, bound: Fraction) -> Constraint:

@@ -124,13 +124,13 @@ def _has_generator(checker: Iota) -> bool:
     return any(location.stopped for location in checker.locations)
 
 
-def _untimed_model(main: Iota, product: MapProduct, start: int, clock: str) -> PublishedModel:
+def _untimed_model(main: Iota, product: MapProduct, starts: tuple[int, ...], clock: str) -> PublishedModel:
     accepting = frozenset[int]().union(*main.buechi)
     marked = [part[1] in accepting for part in product.parts]
     beginnings = [
         index
         for index, part in enumerate(product.parts)
-        if part[0] == start and part[1] in main.initial and main.locations[part[1]].writes
+        if part[0] in starts and part[1] in main.initial and main.locations[part[1]].writes
     ]
     system = _Assembly("sys", product.locations, product.edges, marked)
     system.finish()
@@ -145,7 +145,7 @@ def _untimed_model(main: Iota, product: MapProduct, start: int, clock: str) -> P
 
 
 def _timed_model(
-    automaton: PublishedAutomaton, product: MapProduct, start: int, clock: str
+    automaton: PublishedAutomaton, product: MapProduct, starts: tuple[int, ...], clock: str
 ) -> PublishedModel:
     guesses = _first_guesses(automaton)
     distinct = sorted({guess for guess, _ in guesses}, reverse=True)
@@ -155,7 +155,7 @@ def _timed_model(
             Edge(0, index, assignments=_told(place, distinct))
             for place, guess in enumerate(distinct)
             for index, part in enumerate(product.parts)
-            if part[0] == start and _begins(automaton.checkers, part[1:], guess)
+            if part[0] in starts and _begins(automaton.checkers, part[1:], guess)
         ]
     )
     generator = _generator(automaton, guesses, distinct, len(product.parts))

@@ -1,0 +1,187 @@
+"""The repaired construction: the paper's idea with transducers that are right.
+
+Every temporal part of the formula has one transducer, which says what is true (two-sided: yes and no), so a
+negation costs nothing and G is not F not, as in the paper. Lower bounds are delays; an until with an interval
+is rewritten as the paper does, the second only where q implies p (the closed until),
+
+    p U[0,b] q = (p U q) & F[0,b] q        p U[a,b] q = G[0,a](p U q) & F[a,b] q.
+
+Right-continuous signals only: with an upper bound that is open, or a standard until with a lower bound above
+0, the truth of a part may hold at a single instant, which these transducers cannot say. Such formulas are
+refused; the compact construction has them.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import count
+
+from mitlplan.automata.transducer import Transducer
+from mitlplan.errors import TranslationError
+from mitlplan.logic.core import (
+    TRUE,
+    Conjunction,
+    Core,
+    CoreRelease,
+    CoreUntil,
+    Disjunction,
+    Literal,
+    Truth,
+    negate,
+    propositional,
+)
+from mitlplan.logic.interval import Interval
+from mitlplan.translation.compact.translate import Obligations, written
+from mitlplan.translation.seed import two_sided
+from mitlplan.translation.seed.exact_transducers import outstanding_pairs
+from mitlplan.translation.seed.two_sided import DelayClocks, Value
+
+MOST_PAIRS = 64
+"""Longer delays are refused: each pair of outstanding edges has two clocks."""
+
+def translate(core: Core, *, until_the_end: bool = False) -> Obligations:
+    """The transducers that together guarantee `core` at time 0.
+
+    Parameters
+    ----------
+    core
+        The formula.
+    until_the_end
+        Whether ``G``, ``R`` and ``W`` without an upper bound speak only of the time up to the end of a finite
+        plan (``horizon: finite``).
+
+    Raises
+    ------
+    TranslationError
+        If a part of the formula may be true at a single instant (see above), or needs too many clocks.
+
+    Examples
+    --------
+    >>> from mitlplan.logic.core import eventually
+    >>> formula = eventually(Literal("A"), Interval(Fraction(0), Fraction(2)))
+    >>> [transducer.name for transducer in translate(formula).transducers]
+    ['the mission', 'F[0,2] A']
+    """
+    translator = _Translator(until_the_end)
+    mission = translator.value_of(core)
+    askers_first = (two_sided.root(mission), *reversed(translator.transducers))
+    return Obligations(askers_first, translator.predicates)
+
+
+class _Translator:
+    """Translates every part once, operands first."""
+
+    def __init__(self, until_the_end: bool) -> None:
+        self.transducers: list[Transducer] = []
+        self.predicates: dict[str, Core] = {}
+        self._until_the_end = until_the_end
+        self._values: dict[Core, Value] = {}
+        self._numbers = count()
+
+    def value_of(self, core: Core) -> Value:
+        """Where the truth of `core` is said."""
+        if core not in self._values:
+            self._values[core] = self._make(core)
+        return self._values[core]
+
+    def _make(self, core: Core) -> Value:
+        if propositional(core):
+            return self._predicate(core)
+        match core:
+            case Conjunction(operands):
+                return self._conjunction(core, [self.value_of(operand) for operand in operands])
+            case Disjunction() | CoreRelease():
+                return self.value_of(negate(core)).negated
+            case CoreUntil(left, right, interval):
+                return self._until(left, right, interval)
+            case Truth() | Literal():
+                return self._predicate(core)
+
+    def _predicate(self, core: Core) -> Value:
+        value = two_sided.value(next(self._numbers), label=True)
+        self.predicates |= {value.yes: core, value.no: negate(core)}
+        return value
+
+    def _fresh(self) -> Value:
+        return two_sided.value(next(self._numbers))
+
+    def _conjunction(self, core: Core, operands: list[Value]) -> Value:
+        value = self._fresh()
+        self.transducers.append(two_sided.conjunction(written(core), tuple(operands), value))
+        return value
+
+    def _until(self, left: Core, right: Core, interval: Interval) -> Value:
+        lower, upper = interval.lower, interval.upper
+        core = CoreUntil(left, right, interval)
+        if (upper is not None and interval.upper_open) or (interval.lower_open and left != TRUE):
+            raise TranslationError(
+                f"the seed construction has no transducer for {written(core)}, whose open bound asks for "
+                "single instants; use closed bounds, or the compact construction"
+            )
+        if lower > 0 and left != TRUE and not _implies(right, left):
+            raise TranslationError(
+                f"the seed construction has no transducer for {written(core)}, a standard until with a lower "
+                "bound above 0; use until: closed, or the compact construction"
+            )
+        if upper is None:
+            return self._unbounded(left, right, lower)
+        timed = self._eventually(right, lower, upper)
+        if left == TRUE:
+            return timed
+        return self._conjunction(core, [self._unbounded(left, right, lower), timed])
+
+    def _unbounded(self, left: Core, right: Core, lower: Fraction) -> Value:
+        """``left U right`` from now on and, at least, until `lower`: ``G[0,lower] (left U right)``."""
+        core = CoreUntil(left, right)
+        if core not in self._values:
+            value, operands = self._fresh(), (self.value_of(left), self.value_of(right))
+            transducer = two_sided.until(written(core), *operands, value, until_the_end=self._until_the_end)
+            self.transducers.append(transducer)
+            self._values[core] = value
+        if lower == 0:
+            return self._values[core]
+        if self._until_the_end:
+            raise TranslationError(
+                f"the seed construction has no {written(CoreUntil(left, right, Interval(lower)))} for "
+                "horizon: finite; use the compact construction"
+            )
+        return self._within(f"F[0,{lower}] !{written(core)}", self._values[core].negated, lower).negated
+
+    def _eventually(self, operand: Core, lower: Fraction, upper: Fraction) -> Value:
+        value, length = self.value_of(operand), upper - lower
+        name = written(CoreUntil(TRUE, operand, Interval(lower, upper)))
+        if length == 0:
+            raise TranslationError(
+                f"the seed construction has no transducer for {name}; widen the interval, or use the compact "
+                "construction"
+            )
+        if lower == 0:
+            return self._within(name, value, upper)
+        pairs = outstanding_pairs(lower, length)
+        if pairs > MOST_PAIRS:
+            raise TranslationError(
+                f"{name} needs {2 * pairs} clocks, because its delay is long and its interval short; "
+                f"at most {2 * MOST_PAIRS} are allowed"
+            )
+        inner = self.value_of(CoreUntil(TRUE, operand, Interval(Fraction(0), length)))
+        return self._delayed(name, inner, lower, pairs)
+
+    def _within(self, name: str, operand: Value, most: Fraction) -> Value:
+        value = self._fresh()
+        clock = f"x{value.yes}"
+        self.transducers.append(two_sided.eventually_within(name, most, operand, value, clock))
+        return value
+
+    def _delayed(self, name: str, operand: Value, seconds: Fraction, pairs: int) -> Value:
+        value = self._fresh()
+        edges = tuple(f"c{index}.{value.yes}" for index in range(2 * pairs))
+        clocks = DelayClocks(f"s{value.yes}", edges, f"e{value.yes}")
+        self.transducers.append(two_sided.delay(name, seconds, operand, value, clocks))
+        return value
+
+
+def _implies(core: Core, weaker: Core) -> bool:
+    """Whether `core` is plainly a conjunction that contains `weaker`."""
+    parts = frozenset(core.operands if isinstance(core, Conjunction) else (core,))
+    wanted = frozenset(weaker.operands if isinstance(weaker, Conjunction) else (weaker,))
+    return wanted <= parts
