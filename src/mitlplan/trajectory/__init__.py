@@ -1,0 +1,31 @@
+"""From timed way points to a trajectory that the robot can drive."""
+
+from mitlplan.trajectory.follow import Waiting, follow
+from mitlplan.trajectory.leg import Weights
+from mitlplan.trajectory.motion import Motion, Style, straight, turn_left, turn_right, u_turn
+from mitlplan.trajectory.pose import Course, Pose
+from mitlplan.trajectory.profile import Profile
+from mitlplan.trajectory.robot import DrivenTimes, Driving, Robot
+from mitlplan.trajectory.trajectory import Piece, Samples, Trajectory, Visit
+
+__all__ = [
+    "Course",
+    "DrivenTimes",
+    "Driving",
+    "Motion",
+    "Piece",
+    "Pose",
+    "Profile",
+    "Robot",
+    "Samples",
+    "Style",
+    "Trajectory",
+    "Visit",
+    "Waiting",
+    "Weights",
+    "follow",
+    "straight",
+    "turn_left",
+    "turn_right",
+    "u_turn",
+]
