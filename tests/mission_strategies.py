@@ -17,6 +17,7 @@ from typing import Literal, Protocol, TypeVar
 from hypothesis import strategies as st
 
 from mitlplan.logic import formula as f
+from mitlplan.logic.formula import operands_of
 from mitlplan.logic.interval import ALWAYS, Interval
 from mitlplan.workspace.graph import Move, graph
 from mitlplan.workspace.workspace import Workspace
@@ -56,7 +57,9 @@ class SmallMission:
     def yaml(self) -> str:
         """The mission file, to reproduce a failure by hand."""
         cells = ", ".join(f"{name}: [{', '.join(holds)}]" for name, holds in self.cells)
-        lines = ["mitlplan: 1", "workspace:", "  graph:", f"    cells: {{{cells}}}", "    moves:"]
+        atoms = sorted({part.name for part in parts(self.formula) if isinstance(part, f.Atom)})
+        lines = ["mitlplan: 1", "workspace:", "  graph:", f"    cells: {{{cells}}}"]
+        lines += [f"    propositions: [{', '.join(atoms)}]", "    moves:"]
         for origin, target, least, most in self.moves:
             time = f'"{least}"' if least == most else f'["{least}", "{most}"]'
             lines.append(f"      - {{from: {origin}, to: {target}, time: {time}}}")
@@ -136,21 +139,6 @@ def _scaled_interval(interval: Interval, factor: Fraction) -> Interval:
     return Interval(interval.lower * factor, upper, interval.lower_open, interval.upper_open)
 
 
-def operands_of(formula: f.Formula) -> tuple[f.Formula, ...]:
-    """The operands, in order."""
-    match formula:
-        case f.Constant() | f.Atom():
-            return ()
-        case f.And(operands) | f.Or(operands):
-            return operands
-        case f.Not(operand) | f.Next(operand) | f.Eventually(operand) | f.Always(operand):
-            return (operand,)
-        case f.Implies(left, right) | f.Iff(left, right) | f.WeakUntil(left, right):
-            return (left, right)
-        case f.Until(left, right) | f.Release(left, right):
-            return (left, right)
-
-
 def with_operands(formula: f.Formula, operands: Sequence[f.Formula]) -> f.Formula:
     """The same operator over other operands."""
     match formula:
@@ -170,9 +158,7 @@ def with_operands(formula: f.Formula, operands: Sequence[f.Formula]) -> f.Formul
 
 def temporal(formula: f.Formula) -> bool:
     """Whether the outermost operator is temporal."""
-    return isinstance(
-        formula, (f.Eventually, f.Always, f.Until, f.Release, f.WeakUntil, f.Next)
-    )
+    return isinstance(formula, (f.Eventually, f.Always, f.Until, f.Release, f.WeakUntil, f.Next))
 
 
 def parts(formula: f.Formula) -> Iterator[f.Formula]:
@@ -236,8 +222,11 @@ class _FormulaSource:
 
     def mission(self, depth: int) -> f.Formula:
         """A formula whose outer parts mostly speak of time: a literal there is decided at once."""
-        if self.budget < 2 or _chance(self.choices, 30):
+        if _chance(self.choices, 20):
             return self.formula(depth, one_shot=True)
+        if self.budget < 2 or _chance(self.choices, 20):
+            self.budget -= 1
+            return self._timed(depth - 1, one_shot=True)
         self.budget -= 2
         operands = tuple(self._timed(depth - 1, one_shot=True) for _ in range(2))
         return f.Or(operands) if _chance(self.choices, 20) else f.And(operands)
@@ -323,9 +312,8 @@ def _joined(formula: f.Formula, until: UntilKind) -> tuple[f.Formula, ...]:
 
 def _decided(formula: f.Formula) -> bool:
     leaves = sorted(set(_leaves(formula)), key=repr)
-    values = {
-        _value(formula, dict(zip(leaves, row))) for row in product((False, True), repeat=len(leaves))
-    }
+    rows = product((False, True), repeat=len(leaves))
+    values = {_value(formula, dict(zip(leaves, row, strict=True))) for row in rows}
     return len(values) == 1
 
 

@@ -102,9 +102,7 @@ def some(operands: Iterable[Need]) -> Need:
     return _gather(operands, Some, Known(False), Known(True))
 
 
-def _gather(
-    operands: Iterable[Need], kind: type[Every] | type[Some], unit: Known, absorbing: Known
-) -> Need:
+def _gather(operands: Iterable[Need], kind: type[Every | Some], unit: Known, absorbing: Known) -> Need:
     kept: dict[Need, None] = {}
     for operand in operands:
         inner = operand.operands if isinstance(operand, kind) else (operand,)
@@ -136,7 +134,7 @@ def timed(strong: bool, left: Need, right: Need, interval: Interval, scale: Frac
 
 def _whole(time: Fraction) -> int:
     if time.denominator != 1:
-        raise ValueError(f"the time {time} is not a whole number of ticks")
+        raise ValueError(f"the time {time} is no whole number of ticks")
     return time.numerator
 
 
@@ -238,20 +236,20 @@ MOST_CLAUSES = 60
 MOST_RESIDUALS = 2000
 
 
-class TooLarge(Exception):
+class TooLargeError(Exception):
     """There are too many residuals, or one has too many clauses: no formula for a slow oracle."""
 
 
 def either(left: Residual, right: Residual) -> Residual:
     """The disjunction of two residuals, without clauses that ask more than another."""
-    if left == TRUE or right == TRUE:
+    if TRUE in (left, right):
         return TRUE
     return _weakest(left | right)
 
 
 def both(left: Residual, right: Residual) -> Residual:
     """The conjunction of two residuals."""
-    if left == FALSE or right == FALSE:
+    if FALSE in (left, right):
         return FALSE
     if left == TRUE:
         return right
@@ -262,16 +260,14 @@ def both(left: Residual, right: Residual) -> Residual:
 
 def _strongest(clause: Clause) -> Clause:
     return frozenset(
-        owed
-        for owed in clause
-        if not any(other != owed and other.implies(owed) for other in clause)
+        owed for owed in clause if not any(other != owed and other.implies(owed) for other in clause)
     )
 
 
 def _weakest(clauses: Iterable[Clause]) -> Residual:
     found = set(clauses)
     if len(found) > MOST_CLAUSES:
-        raise TooLarge
+        raise TooLargeError
     if len(found) < 2:
         return frozenset(found)
     return frozenset(
@@ -336,7 +332,7 @@ class Progression:
     def _number(self, residual: Residual) -> int:
         if residual not in self._numbers:
             if len(self._residuals) > MOST_RESIDUALS:
-                raise TooLarge
+                raise TooLargeError
             self._numbers[residual] = len(self._residuals)
             self._residuals.append(residual)
         return self._numbers[residual]
@@ -399,9 +395,7 @@ class Progression:
 
 def holds_at_the_end(residual: Residual) -> bool:
     """Whether a mission of finite horizon may end here: only what was to hold for ever is still owed."""
-    return any(
-        all(not owed.strong and owed.last is None for owed in clause) for clause in residual
-    )
+    return any(all(not owed.strong and owed.last is None for owed in clause) for clause in residual)
 
 
 # --- Truth on a signal that repeats ------------------------------------------------------------------------
@@ -439,9 +433,7 @@ class Cycle:
                 return self._all if value else 0
             case Label(name, positive):
                 return sum(
-                    3 << 2 * tick
-                    for tick, label in enumerate(self._labels)
-                    if (name in label) == positive
+                    3 << 2 * tick for tick, label in enumerate(self._labels) if (name in label) == positive
                 )
             case Every(operands):
                 result = self._all

@@ -174,10 +174,7 @@ class _TickSearch:
             if self.map.may_stay(cell, stayed):
                 successors.append(((cell, min(stayed, self.map.settled(cell)), owed), moves))
             for successor, cost in successors:
-                if successor not in self.parents:
-                    self.parents[successor] = state
-                    later[successor] = cost
-                elif cost < later.get(successor, cost):
+                if successor not in self.parents or cost < later.get(successor, cost):
                     self.parents[successor] = state
                     later[successor] = cost
         return later
@@ -187,9 +184,7 @@ class _TickSearch:
         for state in sorted(layer, key=lambda state: layer[state]):
             cell, _, owed = state
             after = self.progression.step(owed, self.map.labels[cell], POINT)
-            if after == 1 or (
-                self.ends_anywhere and holds_at_the_end(self.progression.residual(after))
-            ):
+            if after == 1 or (self.ends_anywhere and holds_at_the_end(self.progression.residual(after))):
                 return self._plan("finite", tick, self._stays(state, tick))
         return None
 
@@ -231,7 +226,7 @@ class _TickSearch:
 
 
 class _Cycles:
-    """The ways round from a cell to itself, by length: one for each sequence of labels, fewest moves first."""
+    """The ways round from a cell to itself, by length: one for each sequence of labels."""
 
     def __init__(self, tick_map: TickMap, home: int) -> None:
         self._map = tick_map
