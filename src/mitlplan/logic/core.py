@@ -176,7 +176,8 @@ def release(left: Core, right: Core, interval: Interval = ALWAYS) -> Core:
         return FALSE
     if left == TRUE:
         return right if starts_now else TRUE
-    if left == FALSE and right == FALSE:
+    # Without an upper bound it may ask nothing of a mission that ends early enough (horizon: finite).
+    if left == FALSE and right == FALSE and interval.upper is not None:
         return FALSE
     return CoreRelease(left, right, interval)
 
