@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -19,22 +20,8 @@ from pydantic import ValidationError
 
 from mitlplan.document import Document, Fault, read_document
 from mitlplan.errors import FormulaError, WorkspaceError
-from mitlplan.logic.formula import (
-    Always,
-    And,
-    Atom,
-    Constant,
-    Eventually,
-    Formula,
-    Iff,
-    Implies,
-    Next,
-    Not,
-    Or,
-    Release,
-    Until,
-    WeakUntil,
-)
+from mitlplan.logic.formula import Atom, Formula, operands_of
+from mitlplan.logic.normalize import warnings
 from mitlplan.logic.parse import parse
 from mitlplan.mission_schema import (
     BoxKeys,
@@ -186,14 +173,17 @@ def _mission(keys: MissionKeys, document: Document, folder: Path, source: Path |
     _check_propositions(kind_keys, document, ("workspace", kind))
     workspace = _workspace(kind_keys, document, folder, ("workspace", kind))
     known = sorted(workspace.propositions.union(kind_keys.propositions))
+    start = _start(keys.robot.start, workspace, document)
+    requirements = tuple(_requirements(keys.spec, known, document))
     return Mission(
         workspace=workspace,
-        start=_start(keys.robot.start, workspace, document),
-        spec=tuple(_requirements(keys.spec, known, document)),
+        start=start,
+        spec=requirements,
         horizon=keys.horizon,
         until=keys.until,
         epsilon=keys.epsilon,
         source=source,
+        warnings=tuple(_warnings(keys.spec, requirements, keys.until, document)),
     )
 
 
@@ -299,24 +289,36 @@ def _start(start: str | tuple[int, int], workspace: Workspace, document: Documen
 def _requirements(
     spec: str | Mapping[str, str], known: Sequence[str], document: Document
 ) -> Iterator[Requirement]:
-    if isinstance(spec, str):
-        yield _requirement(ONLY_REQUIREMENT, spec, known, document, ("spec",))
-        return
-    if not spec:
+    if not spec and not isinstance(spec, str):
         raise document.error(Fault("there is no requirement; write a formula or name: formula", ("spec",)))
-    for name, text in spec.items():
-        yield _requirement(name, text, known, document, ("spec", name))
+    for name, text in _named(spec).items():
+        with _placed(spec, name, document):
+            formula = parse(text)
+            _check_atoms(formula, text, known)
+        yield Requirement(name, text, formula)
 
 
-def _requirement(
-    name: str, text: str, known: Sequence[str], document: Document, path: tuple[str, ...]
-) -> Requirement:
+def _named(spec: str | Mapping[str, str]) -> Mapping[str, str]:
+    return {ONLY_REQUIREMENT: spec} if isinstance(spec, str) else spec
+
+
+@contextmanager
+def _placed(spec: str | Mapping[str, str], name: str, document: Document) -> Iterator[None]:
+    """Give the error of a formula the place of its requirement in the file."""
     try:
-        formula = parse(text)
-        _check_atoms(formula, text, known)
+        yield
     except FormulaError as error:
+        path = ("spec",) if isinstance(spec, str) else ("spec", name)
         raise document.error(Fault(str(error), path)) from None
-    return Requirement(name, text, formula)
+
+
+def _warnings(
+    spec: str | Mapping[str, str], requirements: Sequence[Requirement], until: UntilKind, document: Document
+) -> Iterator[str]:
+    for requirement in requirements:
+        with _placed(spec, requirement.name, document):
+            found = warnings(requirement.formula, until)
+        yield from (f"the requirement {requirement.name}: {sentence}" for sentence in found)
 
 
 def _check_atoms(formula: Formula, text: str, known: Sequence[str]) -> None:
@@ -334,22 +336,8 @@ def _check_atoms(formula: Formula, text: str, known: Sequence[str]) -> None:
 
 
 def _atoms(formula: Formula) -> Iterator[str]:
-    match formula:
-        case Constant():
-            return
-        case Atom(name):
-            yield name
-        case Not(operand) | Next(operand) | Eventually(operand) | Always(operand):
-            yield from _atoms(operand)
-        case And(operands) | Or(operands):
-            for operand in operands:
-                yield from _atoms(operand)
-        case (
-            Implies(left, right)
-            | Iff(left, right)
-            | Until(left, right)
-            | Release(left, right)
-            | WeakUntil(left, right)
-        ):
-            yield from _atoms(left)
-            yield from _atoms(right)
+    """The names in the formula, from left to right."""
+    if isinstance(formula, Atom):
+        yield formula.name
+    for operand in operands_of(formula):
+        yield from _atoms(operand)
