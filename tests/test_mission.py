@@ -72,8 +72,9 @@ def test_an_until_that_can_never_hold_is_warned_of(tmp_path: Path) -> None:
     file = write(tmp_path, PHI1.replace("!A U B", "!B U B"))
     assert read(file).warnings == (
         (
-            "the requirement order: `!B U B` can never hold: with the closed until `!B` must still hold at the "
-            "instant of `B`, and the two exclude each other. Take the standard until, or let the sides overlap."
+            "the requirement order: `!B U B` can never hold: with the closed until `!B` must still hold at "
+            "the instant of `B`, and the two exclude each other. Take the standard until, or let the sides "
+            "overlap."
         ),
     )
     assert read(file, until="standard").warnings == ()
