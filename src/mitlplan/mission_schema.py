@@ -289,9 +289,9 @@ class MissionKeys(Keys):
     horizon: Literal["infinite", "finite"] = "infinite"
     until: Literal["standard", "closed"] = "standard"
     epsilon: Tolerance = Field(
-        default=Fraction(1, 1000),
+        default="1/1000",
+        validate_default=True,
         description="Seconds within which a plan comes to a least makespan that none attains.",
-        json_schema_extra={"default": "1/1000"},
     )
 
 
