@@ -50,15 +50,16 @@ def intervals(
     open_bounds: bool = True,
     unbounded: bool = True,
     punctual: bool = False,
+    trivial: bool = True,
 ) -> Interval:
-    """Intervals that are not empty; ``[0,0]`` only where punctual ones are wanted."""
+    """Intervals that are not empty; `punctual` allows ``[a,a]``, `trivial` then ``[0,0]`` as well."""
     lower = draw(times(longest, denominator))
     lower_open = open_bounds and draw(st.booleans())
     if unbounded and draw(st.integers(0, 3)) == 0:
         return Interval(lower, None, lower_open)
     length = draw(times(longest, denominator))
     if length == 0:
-        if punctual:
+        if punctual and (lower > 0 or trivial):
             return Interval(lower, lower)
         length = Fraction(1, denominator)
     return Interval(lower, lower + length, lower_open, open_bounds and draw(st.booleans()))
@@ -73,16 +74,25 @@ def formulas(
     open_bounds: bool = True,
     unbounded: bool = True,
     punctual: bool = False,
+    trivial: bool = True,
 ) -> st.SearchStrategy[Formula]:
-    """Formulas as a user may write them; punctual operators and X only in one-shot positions."""
+    """Formulas as a user may write them; punctual operators and X only in one-shot positions.
+
+    Without `trivial` there are no constants, and no ``[0,0]``.
+    """
     subscripts = intervals(
         longest=longest,
         denominator=denominator,
         open_bounds=open_bounds,
         unbounded=unbounded,
         punctual=punctual,
+        trivial=trivial,
     )
-    drawn = _formulas(tuple(atoms), depth, subscripts, unbounded=unbounded, punctual=punctual)
+    leaf: st.SearchStrategy[Formula] = st.sampled_from(tuple(atoms)).map(Atom)
+    if trivial:
+        # Constants are folded at once: most leaves are atoms, or little would be left to test.
+        leaf = st.one_of(*[leaf] * 5, st.booleans().map(Constant))
+    drawn = _formulas(leaf, depth, subscripts, unbounded=unbounded, punctual=punctual)
     return drawn.map(_with_instants_only_once)
 
 
@@ -109,21 +119,16 @@ def _without_instants(formula: Formula) -> Formula:
 
 
 def _formulas(
-    atoms: tuple[str, ...],
+    leaf: st.SearchStrategy[Formula],
     depth: int,
     subscripts: st.SearchStrategy[Interval],
     *,
     unbounded: bool,
     punctual: bool,
 ) -> st.SearchStrategy[Formula]:
-    leaves = st.one_of(st.sampled_from(atoms).map(Atom), st.booleans().map(Constant))
-    # Constants are folded at once: most leaves are atoms, or little would be left to test.
-    leaf = st.one_of(*[st.sampled_from(atoms).map(Atom)] * 4, leaves)
     if depth == 0:
         return leaf
-    part = st.deferred(
-        lambda: _formulas(atoms, depth - 1, subscripts, unbounded=unbounded, punctual=punctual)
-    )
+    part = st.deferred(lambda: _formulas(leaf, depth - 1, subscripts, unbounded=unbounded, punctual=punctual))
     parts = st.lists(part, min_size=2, max_size=3).map(tuple)
     nodes: list[st.SearchStrategy[Formula]] = [
         leaf,

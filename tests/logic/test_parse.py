@@ -231,7 +231,7 @@ def test_nesting_ends_with_a_sentence(opening: str) -> None:
 
     deepest = parse(nested(MOST_LEVELS))
     assert parse(show(deepest)) == deepest
-    with pytest.raises(FormulaError, match="nested more than 200 levels deep"):
+    with pytest.raises(FormulaError, match="nested more than 100 levels deep"):
         parse(nested(MOST_LEVELS + 1))
 
 
@@ -239,11 +239,11 @@ def test_nesting_ends_with_a_sentence(opening: str) -> None:
     ("text", "problem"),
     [
         ("!" * 100_000, "but the text ends"),
-        ("!" * 100_000 + "A", "nested more than 200 levels deep"),
+        ("!" * 100_000 + "A", "nested more than 100 levels deep"),
         ("(" * 100_000, "but the text ends"),
         ("A" + ")" * 100_000, "found `\\)`"),
         ("F" * 100_000 + "[", "found `\\[`"),
-        ("A->" * 50_000 + "A", "nested more than 200 levels deep"),
+        ("A->" * 50_000 + "A", "nested more than 100 levels deep"),
         ("F[" + "9" * 100_000 + ",2] A", "more than 18 digits"),
         ("F[1/" + "0" * 100_000 + ",2] A", "more than 18 digits"),
         ("x" * 300_000, "the most that are read is 200000"),

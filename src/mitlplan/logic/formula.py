@@ -129,7 +129,7 @@ Formula: TypeAlias = Union[
     WeakUntil,
 ]
 
-MOST_LEVELS = 200
+MOST_LEVELS = 100
 """How deep a formula may be nested, so that a function that calls itself for the operands stays safe."""
 
 

@@ -38,13 +38,12 @@ from mitlplan.logic.core import (
     conjunction,
     disjunction,
     eventually,
-    negate,
     propositional,
     release,
     until,
 )
 from mitlplan.logic.interval import Interval
-from mitlplan.logic.labels import possible
+from mitlplan.logic.labels import certain, possible
 
 _Temporal: TypeAlias = Union[CoreUntil, CoreRelease]
 
@@ -114,25 +113,21 @@ class _Rules:
             return core
         if junction.decides(operand for operand in core.operands if propositional(operand)):
             return junction.decided
+        temporal, rest = _temporal_and_rest(core.operands)
         groups: dict[object, list[_Temporal]] = {}
-        rest = []
-        for operand in core.operands:
-            if isinstance(operand, (CoreUntil, CoreRelease)):
-                groups.setdefault(junction.alike_but_one_side(operand), []).append(operand)
-            else:
-                rest.append(operand)
+        for operand in temporal:
+            groups.setdefault(junction.alike_but_one_side(operand), []).append(operand)
         combined = [part for group in groups.values() for part in junction.combined(group)]
         return junction.join(*rest, *self._with_fewer_intervals(junction, combined))
 
     def _with_fewer_intervals(self, junction: _Junction, operands: list[Core]) -> Iterator[Core]:
+        temporal, rest = _temporal_and_rest(operands)
+        yield from rest
         groups: dict[object, list[_Temporal]] = {}
-        for operand in operands:
-            if isinstance(operand, (CoreUntil, CoreRelease)):
-                cut_short = isinstance(operand, CoreRelease) and self._cut_short(operand.interval)
-                key = type(operand), operand.left, operand.right, cut_short
-                groups.setdefault(key, []).append(operand)
-            else:
-                yield operand
+        for operand in temporal:
+            cut_short = isinstance(operand, CoreRelease) and self._cut_short(operand.interval)
+            key = type(operand), operand.left, operand.right, cut_short
+            groups.setdefault(key, []).append(operand)
         for group in groups.values():
             fewer = _narrowest if isinstance(group[0], junction.narrowing) else _united
             for interval in fewer([operand.interval for operand in group]):
@@ -146,9 +141,9 @@ class _Rules:
             case Disjunction(operands):
                 return disjunction(*(self.apart(operand) for operand in operands))
             case CoreRelease(left, Conjunction(operands), interval) if left == FALSE:
-                temporal = [operand for operand in operands if isinstance(operand, (CoreUntil, CoreRelease))]
-                rest = conjunction(*(operand for operand in operands if operand not in temporal))
-                return conjunction(*(self.once(always(part, interval)) for part in (rest, *temporal)))
+                temporal, rest = _temporal_and_rest(operands)
+                parts = conjunction(*rest), *temporal
+                return conjunction(*(self.once(always(part, interval)) for part in parts))
             case _:
                 return self.once(core)
 
@@ -198,7 +193,7 @@ class _Junction:
     def decides(self, operands: Iterable[Core]) -> bool:
         """Whether the junction of these operands is the same of every label."""
         joined = self.join(*operands)
-        return not possible(negate(joined) if self.decided.value else joined)
+        return certain(joined) if self.decided.value else not possible(joined)
 
     def alike_but_one_side(self, operand: _Temporal) -> object:
         """What operands that combine have in common."""
@@ -223,6 +218,17 @@ class _Junction:
 
 _AND = _Junction(Conjunction, conjunction, FALSE, CoreUntil)
 _OR = _Junction(Disjunction, disjunction, TRUE, CoreRelease)
+
+
+def _temporal_and_rest(operands: Iterable[Core]) -> tuple[list[_Temporal], list[Core]]:
+    temporal: list[_Temporal] = []
+    rest: list[Core] = []
+    for operand in operands:
+        if isinstance(operand, (CoreUntil, CoreRelease)):
+            temporal.append(operand)
+        else:
+            rest.append(operand)
+    return temporal, rest
 
 
 def _until(left: Core, right: Core, interval: Interval) -> Core:

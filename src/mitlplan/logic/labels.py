@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import reduce
 from operator import and_, or_
+from typing import NamedTuple
 
 from mitlplan.logic.core import (
     Conjunction,
@@ -41,15 +42,38 @@ def possible(core: Core) -> bool:
     >>> possible(Conjunction((CoreUntil(busy, near), negate(CoreUntil(busy, near)))))
     False
     """
+    truths = _truths(core)
+    return truths is None or truths.of_core != 0
+
+
+def certain(core: Core) -> bool:
+    """Whether every label makes `core` true; not if it has too many atoms to tell.
+
+    Examples
+    --------
+    >>> near, busy = Literal("near"), Literal("busy")
+    >>> certain(Disjunction((Conjunction((busy, near)), negate(busy), negate(near))))
+    True
+    """
+    truths = _truths(core)
+    return truths is not None and truths.of_core == truths.of_true
+
+
+class _Truths(NamedTuple):
+    """The labels of which a formula is true, and all labels."""
+
+    of_core: int
+    of_true: int
+
+
+def _truths(core: Core) -> _Truths | None:
     atoms = dict.fromkeys(_atoms(core))
     if len(atoms) > MOST_ATOMS:
-        return True
+        return None
     everything = (1 << (1 << len(atoms))) - 1
     # The table of the i-th atom repeats 2^i zeros and 2^i ones.
-    tables = {
-        atom: everything // ((1 << (1 << index)) + 1) << (1 << index) for index, atom in enumerate(atoms)
-    }
-    return _table(core, tables, everything) != 0
+    tables = {atom: everything // ((1 << (1 << i)) + 1) << (1 << i) for i, atom in enumerate(atoms)}
+    return _Truths(_table(core, tables, everything), everything)
 
 
 def _atoms(core: Core) -> Iterator[Core]:

@@ -2,13 +2,15 @@
 
 The closed until and X are written out; a weak until becomes a release where its sides are propositional,
 since there the first instant of q exists: ``p W q = q R (p | q)``. Then the identities of
-:mod:`mitlplan.logic.identities` are applied. What :func:`written` makes of a core has that core for its normal
-form again. ``<->`` and W need their sides twice and may grow exponentially: too large a formula is refused.
+:mod:`mitlplan.logic.identities` are applied. What :func:`written` makes of a core has that core for its
+normal form again. ``<->`` and W need their sides twice: what would grow exponentially is refused.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
+from itertools import repeat
 from typing import Literal as Choice
 
 from mitlplan.errors import FormulaError
@@ -51,11 +53,11 @@ from mitlplan.logic.formula import (
 )
 from mitlplan.logic.identities import simplify
 from mitlplan.logic.interval import Interval
-from mitlplan.logic.labels import possible
+from mitlplan.logic.labels import certain, possible
 from mitlplan.logic.one_shot import refuse_repeated_instants
 from mitlplan.logic.show import show
 
-MOST_PARTS = 100_000
+MOST_COPIES = 10_000
 
 _ONE_LATER = Interval(Fraction(1), Fraction(1))
 
@@ -169,8 +171,8 @@ def warnings(formula: Formula, until: Choice["standard", "closed"] = "standard")
     --------
     >>> from mitlplan.logic.parse import parse
     >>> warnings(parse("!A U A"), "closed")[0]
-    '`!A U A` can never hold: with the closed until `!A` must still hold at the instant of `A`, and the two \
-exclude each other. Take the standard until, or let the sides overlap.'
+    '`!A U A` can never hold: with the closed until `!A` must still hold at the instant of `A`, but excludes \
+it; take the standard until, or change one side.'
     """
     if until != "closed":
         return ()
@@ -179,26 +181,26 @@ exclude each other. Take the standard until, or let the sides overlap.'
     waiting = [formula]
     while waiting:
         node = waiting.pop()
-        match node:
-            case Until(left, right) if _exclude_each_other(left, right):
-                sentences[_warning(node, "can never hold", left, right)] = None
-            case WeakUntil(left, right) if _exclude_each_other(left, right):
-                consequence = f"can hold only if `{_shortened(left)}` holds for ever"
-                sentences[_warning(node, consequence, left, right)] = None
-            case Release(left, right) if _exclude_each_other(Not(left), Not(right)):
-                sentences[_warning(node, "always holds", Not(left), Not(right))] = None
-            case _:
-                pass
         waiting += reversed(operands_of(node))
+        if isinstance(node, (Until, WeakUntil, Release)) and (sentence := _warning(node)):
+            sentences[sentence] = None
     return tuple(sentences)
 
 
-def _warning(node: Formula, consequence: str, left: Formula, right: Formula) -> str:
-    return (
-        f"`{_shortened(node)}` {consequence}: with the closed until `{_shortened(left)}` must still hold at "
-        f"the instant of `{_shortened(right)}`, and the two exclude each other. Take the standard until, or let "
-        "the sides overlap."
-    )
+def _warning(node: Until | WeakUntil | Release) -> str:
+    left, right = _shortened(node.left), _shortened(node.right)
+    apart = f"with the closed until `{left}` must still hold at the instant of `{right}`, but excludes it"
+    match node:
+        case Until() if _exclude_each_other(node.left, node.right):
+            consequence, because = "can never hold", apart
+        case WeakUntil() if _exclude_each_other(node.left, node.right):
+            consequence, because = f"can hold only if `{left}` holds for ever", apart
+        case Release() if _exclude_each_other(Not(node.left), Not(node.right)):
+            consequence = "always holds"
+            because = f"with the closed until it asks for `{left}` or `{right}`, and one of them always holds"
+        case _:
+            return ""
+    return f"`{_shortened(node)}` {consequence}: {because}; take the standard until, or change one side."
 
 
 def _exclude_each_other(left: Formula, right: Formula) -> bool:
@@ -212,22 +214,35 @@ def _shortened(formula: Formula, longest: int = 60) -> str:
 
 
 def _refuse_large(formula: Formula, *, closed: bool) -> None:
-    parts = 0
+    copied = 0
     waiting = [(formula, 1, 1)]
     while waiting:
         node, depth, copies = waiting.pop()
         if depth > MOST_LEVELS:
             raise FormulaError(f"The formula is nested more than {MOST_LEVELS} levels deep.", "", 0)
-        parts += copies
-        twice = isinstance(node, (Iff, WeakUntil)) or (closed and isinstance(node, (Until, Release)))
-        waiting += [(operand, depth + 1, copies * (2 if twice else 1)) for operand in operands_of(node)]
-    if parts > MOST_PARTS:
+        copied += copies - 1
+        for operand, times in zip(operands_of(node), _times_needed(node, closed=closed), strict=False):
+            waiting.append((operand, depth + 1, copies * times))
+    if copied > MOST_COPIES:
         raise FormulaError(
-            f"Written with negation on atoms only, the formula has more than {MOST_PARTS} parts.",
+            f"Written with until and release only, the formula grows by more than {MOST_COPIES} parts.",
             show(formula),
             0,
-            hint="nested <-> and W double their sides at every level; write -> where one direction is enough",
+            hint="nested <-> and W double at every level; write -> where one direction is enough",
         )
+
+
+def _times_needed(node: Formula, *, closed: bool) -> Iterable[int]:
+    """How often the normal form of a formula names each of its operands, at most."""
+    match node:
+        case Iff():
+            return 2, 2
+        case WeakUntil():
+            return 3 if closed else 2, 2
+        case Until() | Release():
+            return 2 if closed else 1, 1
+        case _:
+            return repeat(1)
 
 
 def _place(text: str, part: str) -> tuple[int, int]:
@@ -287,6 +302,6 @@ def _weak_until(left: Core, right: Core, *, closed: bool) -> Core:
         right = conjunction(left, right)
     either = left if closed else disjunction(left, right)
     # If every label made `either` true the release would be known at once, the weak until only by and by.
-    if propositional(left) and propositional(right) and possible(negate(either)):
+    if propositional(left) and propositional(right) and not certain(either):
         return release(right, either)
     return disjunction(always(left), standard_until(left, right))

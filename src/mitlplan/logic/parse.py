@@ -266,7 +266,7 @@ _FOREIGN_SIGNS = {
     '"': "names stand without quotation marks",
     "{": "group with ( and )",
     "}": "group with ( and )",
-    ";": "join requirements with &",
+    ";": "join requirements with &; between bounds stands a comma",
 }
 
 _MOST_SHOWN = 30
@@ -336,6 +336,8 @@ def _hint(before: str, word: str, accepted: Collection[str]) -> str:
         return f"the `(` at character {_open_parenthesis(before) + 1} is not closed"
     if word == ")":
         return "there is no `(` for it"
+    if word == "[":
+        return "an interval follows F, G, U or R"
     return "join two formulas with an operator such as & or U"
 
 
