@@ -26,10 +26,14 @@ def lassos(draw: st.DrawFn, *, inputs: int, longest: int = 8) -> tuple[list[Lett
 
 def unrolled(letters: list[Letter], repeat: int, length: int) -> list[Letter]:
     period = len(letters) - repeat
-    return [letters[at] if at < len(letters) else letters[repeat + (at - repeat) % period] for at in range(length)]
+    once = letters[:repeat]
+    return [*once, *(letters[repeat + at % period] for at in range(length - repeat))]
 
 
-def assert_exact(iota: Iota, letters: list[Letter], repeat: int, truth: Callable[[list[Letter], int], bool]) -> None:
+Truth = Callable[[list[Letter], int], bool]
+
+
+def assert_exact(iota: Iota, letters: list[Letter], repeat: int, truth: Truth) -> None:
     long = unrolled(letters, repeat, 6 * len(letters) + 40)
     found = transduce(iota, letters, repeat, RESOLUTION)
     assert [set(values) for values in found.outputs] == [{truth(long, cell)} for cell in range(len(letters))]
@@ -44,7 +48,7 @@ def until_holds(long: list[Letter], cell: int) -> bool:
     return False
 
 
-def within(least: Fraction, most: Fraction) -> Callable[[list[Letter], int], bool]:
+def within(least: Fraction, most: Fraction) -> Truth:
     first, last = int(least * RESOLUTION), int(most * RESOLUTION)
     return lambda long, cell: any(letter[0] for letter in long[cell + first : cell + last + 1])
 

@@ -6,8 +6,8 @@ is rewritten as the paper does, the second only where q implies p (the closed un
 
     p U[0,b] q = (p U q) & F[0,b] q        p U[a,b] q = G[0,a](p U q) & F[a,b] q.
 
-Right-continuous signals only: with an upper bound that is open, or a standard until with a lower bound above
-0, the truth of a part may hold at a single instant, which these transducers cannot say. Such formulas are
+Right-continuous signals only: with a bound that is open, or a standard until with a lower bound above 0, the
+truth of a part may hold or begin at a single instant, which these transducers cannot say. Such formulas are
 refused; the compact construction has them.
 """
 
@@ -76,6 +76,7 @@ class _Translator:
         self.predicates: dict[str, Core] = {}
         self._until_the_end = until_the_end
         self._values: dict[Core, Value] = {}
+        self._untils: dict[tuple[Core, bool], Value] = {}
         self._numbers = count()
 
     def value_of(self, core: Core) -> Value:
@@ -113,7 +114,7 @@ class _Translator:
     def _until(self, left: Core, right: Core, interval: Interval) -> Value:
         lower, upper = interval.lower, interval.upper
         core = CoreUntil(left, right, interval)
-        if (upper is not None and interval.upper_open) or (interval.lower_open and left != TRUE):
+        if interval.lower_open or (upper is not None and interval.upper_open):
             raise TranslationError(
                 f"the seed construction has no transducer for {written(core)}, whose open bound asks for "
                 "single instants; use closed bounds, or the compact construction"
@@ -124,28 +125,33 @@ class _Translator:
                 "bound above 0; use until: closed, or the compact construction"
             )
         if upper is None:
-            return self._unbounded(left, right, lower)
+            if lower > 0 and self._until_the_end:
+                raise TranslationError(
+                    f"the seed construction has no {written(core)} for horizon: finite; use the compact "
+                    "construction"
+                )
+            return self._lasting(left, right, lower, until_the_end=self._until_the_end)
         timed = self._eventually(right, lower, upper)
         if left == TRUE:
             return timed
-        return self._conjunction(core, [self._unbounded(left, right, lower), timed])
+        return self._conjunction(core, [self._lasting(left, right, lower, until_the_end=False), timed])
 
-    def _unbounded(self, left: Core, right: Core, lower: Fraction) -> Value:
-        """``left U right`` from now on and, at least, until `lower`: ``G[0,lower] (left U right)``."""
+    def _lasting(self, left: Core, right: Core, lower: Fraction, *, until_the_end: bool) -> Value:
+        """``G[0,lower] (left U right)``."""
         core = CoreUntil(left, right)
-        if core not in self._values:
-            value, operands = self._fresh(), (self.value_of(left), self.value_of(right))
-            transducer = two_sided.until(written(core), *operands, value, until_the_end=self._until_the_end)
-            self.transducers.append(transducer)
-            self._values[core] = value
+        value = self._unbounded(core, until_the_end=until_the_end)
         if lower == 0:
-            return self._values[core]
-        if self._until_the_end:
-            raise TranslationError(
-                f"the seed construction has no {written(CoreUntil(left, right, Interval(lower)))} for "
-                "horizon: finite; use the compact construction"
-            )
-        return self._within(f"F[0,{lower}] !{written(core)}", self._values[core].negated, lower).negated
+            return value
+        return self._within(f"F[0,{lower}] !{written(core)}", value.negated, lower).negated
+
+    def _unbounded(self, core: CoreUntil, *, until_the_end: bool) -> Value:
+        if (core, until_the_end) not in self._untils:
+            operands = self.value_of(core.left), self.value_of(core.right)
+            value = self._fresh()
+            transducer = two_sided.until(written(core), *operands, value, until_the_end=until_the_end)
+            self.transducers.append(transducer)
+            self._untils[core, until_the_end] = value
+        return self._untils[core, until_the_end]
 
     def _eventually(self, operand: Core, lower: Fraction, upper: Fraction) -> Value:
         value, length = self.value_of(operand), upper - lower

@@ -177,6 +177,11 @@ def _without(operand: Value, truth: bool) -> Signals:
     return frozenset({operand.yes if truth else operand.no})
 
 
+def _choice_of_time(*operands: Value) -> Restless:
+    """A promise about a label is kept when the robot moves; one about a claim, when we choose to ask."""
+    return Restless.NEVER if all(operand.label for operand in operands) else Restless.ALWAYS
+
+
 def until(name: str, left: Value, right: Value, output: Value, *, until_the_end: bool) -> Transducer:
     """``left U right``, unbounded and standard.
 
@@ -210,7 +215,11 @@ def until(name: str, left: Value, right: Value, output: Value, *, until_the_end:
     at_end = failed[1:] if until_the_end else failed
     return Transducer(
         name,
-        tuple(Location(name) for name in ("start", "neither", "never", "promised", "reached", "silent")),
+        (
+            *(Location(quiet) for quiet in ("start", "neither", "reached", "silent")),
+            Location("promised", restless=_choice_of_time(left, right)),
+            Location("never", restless=_choice_of_time(left, right)),
+        ),
         edges=tuple(edge for ways, move in moves for edge in _edges(output, ways, move)),
         endings=(
             *_last(output, free, NOTHING),
@@ -268,8 +277,8 @@ def eventually_within(name: str, most: Fraction, operand: Value, output: Value, 
         name,
         (
             *(Location(quiet) for quiet in ("start", "now", "silent", "owed", "sworn")),
-            Location("soon", in_time),
-            Location("due", in_time),
+            Location("soon", in_time, restless=_choice_of_time(operand)),
+            Location("due", in_time, restless=_choice_of_time(operand)),
             Location("far", restless=Restless.ALWAYS),
         ),
         edges=tuple(edge for ways, move in moves for edge in _edges(output, ways, move)),
