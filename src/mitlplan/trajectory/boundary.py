@@ -30,7 +30,7 @@ Array: TypeAlias = NDArray[np.float64]
 Way: TypeAlias = tuple[Leg, ...]
 Flight: TypeAlias = Callable[[float, float, float], Way]
 
-_STARTS = 32
+_STARTS = 20
 _SAME = 1e-9
 _MOST_STRETCHES = 6
 
@@ -54,7 +54,7 @@ def connect(goal: Pose, length: float) -> Way:
     """
     target = _canonical(goal, length)
     steady = _steady(target)
-    found = [steady] if steady else [*_turning_one_way(target), *_shot(target, _free_flight)]
+    found = [steady] if steady else [*_turning_one_way(target), *_shot(target, _free_flight, _STARTS)]
     return in_metres(_cheapest(found), length)
 
 
@@ -66,10 +66,10 @@ def connect_forward(goal: Pose, length: float) -> Way:
     if steady and target.x >= 0:
         return in_metres(steady, length)
     # A way that begins with a turn on the spot is found more easily from its end.
-    retraced = [
-        tuple(leg.retraced for leg in reversed(way)) for way in _shot(_retraced(target), _forward_flight)
-    ]
-    return in_metres(_cheapest([*_shot(target, _forward_flight), *retraced]), length)
+    onward = _shot(target, _forward_flight, _STARTS // 2)
+    retraced = _shot(_retraced(target), _forward_flight, _STARTS // 2)
+    ways = [*onward, *(tuple(leg.retraced for leg in reversed(way)) for way in retraced)]
+    return in_metres(_cheapest(ways), length)
 
 
 def end_of_way(way: Way) -> Pose:
@@ -123,24 +123,24 @@ def _cheapest(ways: Iterable[Way]) -> Way:
 # ----------------------------------------------------------------------------------------------- by the start
 
 
-def _shot(goal: Pose, flight: Flight) -> Iterator[Way]:
+def _shot(goal: Pose, flight: Flight, starts: int) -> Iterator[Way]:
     """The ways of `flight` that end at `goal`, over its three unknowns at the start."""
 
     def miss(start: Array) -> Array:
         end = end_of_way(flight(*start.tolist()))
         return np.array([end.x - goal.x, end.y - goal.y, end.heading - goal.heading])
 
-    for start in _starts(goal):
+    for start in _starts(goal, starts):
         found = root(miss, start, tol=1e-13)
         if np.abs(found.fun).max() < _SAME:
             yield flight(*found.x.tolist())
 
 
-def _starts(goal: Pose) -> Iterator[Array]:
+def _starts(goal: Pose, count: int) -> Iterator[Array]:
     yield _continued_from_spot(goal)
     spread = np.array([math.hypot(goal.x, goal.y) + 1, math.hypot(goal.x, goal.y) + 1, abs(goal.heading) + 2])
     # The seed is part of the method: equal goals always get equal ways.
-    scatter = np.random.default_rng(0).normal(size=(_STARTS, 3))
+    scatter = np.random.default_rng(0).normal(size=(count, 3))
     yield from np.array([goal.x, goal.y, goal.heading]) + scatter * spread
 
 

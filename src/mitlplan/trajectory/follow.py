@@ -31,6 +31,7 @@ from mitlplan.trajectory.robot import (
     least_time,
     obstacle,
 )
+from mitlplan.trajectory.timetable import Span
 from mitlplan.trajectory.trajectory import Piece, Trajectory, Visit
 from mitlplan.workspace.motion import Door, doors, rectangle_of
 from mitlplan.workspace.workspace import Workspace
@@ -59,22 +60,24 @@ _TICKS = 10**6
 class _Stay:
     """A visit with its doors.
 
-    `time` is what the plan gives it; `travel` what its own move takes, or None if that is all of it.
+    `time` is what the plan gives it; its own move takes `least` to `travel`, or None if that is all of it.
     """
 
     visit: Visit
     entry: Door | None
     leave: Door | None
     time: Fraction
+    least: Fraction
     travel: Fraction | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Driven:
-    """What is done in a stay: motions with their seconds and the poses where they begin."""
+    """What is done in a stay: motions with their seconds and where they begin; the seconds they need."""
 
     parts: tuple[tuple[Motion, Fraction, Pose], ...]
-    cost: float
+    cost: float = 0.0
+    need: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,6 +144,42 @@ def follow(
     return Trajectory(visits, tuple(_pieces(route, driven)), driving.weights, repeat_from)
 
 
+def spans_of(
+    plan: Plan,
+    workspace: Workspace,
+    *,
+    robot: Robot = UNLIMITED_ROBOT,
+    driving: Driving = CHEAPEST_DRIVING,
+    start: tuple[float, float] | None = None,
+    heading: float | None = None,
+) -> list[Span]:
+    """What each stay that is left by a move costs, and how long it may be, for :func:`retime`.
+
+    Parameters
+    ----------
+    plan, workspace, robot, driving, start, heading
+        As in :func:`follow`; every stay is driven slowly.
+
+    Raises
+    ------
+    TrajectoryError, WorkspaceError
+        As :func:`follow`.
+    """
+    route = _route(plan, workspace, None)
+    driven = _Driver(robot, driving, Waiting.SLOW, start, heading).drive(route)
+    # The first cell of a loop is met again at the end of the route, where it is no step of the plan.
+    stays = route.stays[: len(plan.steps)]
+    return [
+        Span(
+            cost=done.parts[0][0].cost,
+            least=max(stay.least, _rounded_up(done.need)),
+            most=None if workspace.waiting else stay.travel,
+        )
+        for stay, done in zip(stays, driven, strict=False)
+        if stay.leave is not None
+    ]
+
+
 # ------------------------------------------------------------------------------------------------- the route
 
 
@@ -162,7 +201,7 @@ def _route(plan: Plan, workspace: Workspace, stop_time: Fraction | None) -> _Rou
             entry,
             leave,
             _length(step),
-            _move_time(workspace, cell, following),
+            *_move_times(workspace, cell, following),
         )
         for step, cell, following, entry, leave in zip(
             steps[: len(ways)], cells[: len(ways)], onward, entries[: len(ways)], ways, strict=True
@@ -178,6 +217,7 @@ def _route(plan: Plan, workspace: Workspace, stop_time: Fraction | None) -> _Rou
                 entries[-1],
                 None,
                 Fraction(0) if last.leave is None else _length(last),
+                Fraction(0),
                 before / 2 if stop_time is None else stop_time,
             )
         )
@@ -197,16 +237,15 @@ def _index(workspace: Workspace, step: Step) -> int:
     return index
 
 
-def _move_time(workspace: Workspace, cell: int, onward: int) -> Fraction | None:
-    """The longest time that the move takes, waiting aside; ``None``: as long as one likes."""
-    times = [
-        workspace.most_time(move) for move in workspace.moves_from(cell) if workspace.target[move] == onward
-    ]
-    if not times:
+def _move_times(workspace: Workspace, cell: int, onward: int) -> tuple[Fraction, Fraction | None]:
+    """The least and the longest time that the move takes, waiting aside; ``None``: as long as one likes."""
+    moves = [move for move in workspace.moves_from(cell) if workspace.target[move] == onward]
+    if not moves:
         names = workspace.names[cell], workspace.names[onward]
         raise TrajectoryError(f"the plan goes from {names[0]} to {names[1]}, but no move leads there")
-    known = [time for time in times if time is not None]
-    return max(known) if len(known) == len(times) else None
+    longest = [most for move in moves if (most := workspace.most_time(move)) is not None]
+    least = min(workspace.least_time(move) for move in moves)
+    return least, max(longest) if len(longest) == len(moves) else None
 
 
 # ----------------------------------------------------------------------------------------------- the choices
@@ -263,7 +302,7 @@ class _Driver:
         open_doors = tuple(door for door in (stay.entry, stay.leave) if door is not None)
         if stay.entry is None and goal is None:
             time = max(stay.time, stay.travel or Fraction(1))
-            return _Driven(((standing(), time, begin),), 0.0)
+            return _Driven(((standing(), time, begin),))
         waits = stay.travel is not None and stay.travel < stay.time and self.waiting is Waiting.CENTRE
         if waits and goal is not None and stay.entry is not None:
             return self._by_centre(stay, begin, goal, open_doors)
@@ -276,7 +315,11 @@ class _Driver:
         moving = (choice.motion, time, begin)
         rest = (standing(), stay.time - time, begin.then(choice.motion.end))
         parts = (moving, rest) if goal is None else (still, moving)
-        return _Driven(tuple(part for part in parts if part[1] > 0), choice.motion.cost_in(float(time)))
+        return _Driven(
+            tuple(part for part in parts if part[1] > 0),
+            choice.motion.cost_in(float(time)),
+            least_time(choice, self.robot),
+        )
 
     def _begin(self, stay: _Stay, leaving: float) -> Pose:
         ground = stay.visit.ground

@@ -24,6 +24,9 @@ from mitlplan.trajectory.pose import Course, Pose
 Array: TypeAlias = NDArray[np.float64]
 Slopes: TypeAlias = tuple[Array, Array]
 
+_NOTHING = 1e-50
+"""What is smaller is taken for 0, so that squares and quotients of it stay numbers."""
+
 
 @dataclass(frozen=True, slots=True)
 class Weights:
@@ -303,7 +306,11 @@ def extremal(speed: float, across: float, turn_rate: float, length: float, durat
     >>> extremal(1.0, 0.0, 0.0, length=1.0)
     Steady(speed=1.0, turn_rate=0.0, duration=1.0)
     """
-    if (across == 0 and turn_rate == 0) or (speed == 0 and across == 0):
+    speed, across, turn_rate = (
+        0.0 if abs(value) < _NOTHING else value for value in (speed, across, turn_rate)
+    )
+    # Both equilibria of the pendulum, and no pendulum at all.
+    if (across == 0 and turn_rate == 0) or (speed == 0 and (across == 0 or turn_rate == 0)):
         return Steady(speed, turn_rate, duration)
     ahead, aside = speed / length, across / length
     momentum, pace = math.hypot(ahead, aside), math.hypot(ahead, turn_rate)

@@ -1,0 +1,110 @@
+"""Slow and independent ways to know what a unicycle does and what is cheapest.
+
+Integration by DOP853 from the controls alone, and direct collocation (CasADi and IPOPT), which knows nothing of
+extremals: piecewise polynomial states, the equations of motion at the Legendre points, and a general solver.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+Array = NDArray[np.float64]
+Controls = Callable[[float], tuple[float, float]]
+State = tuple[float, float, float]
+Goal = tuple[float | None, float | None, float | None]
+
+
+def integrated(start: State, controls: Controls, times: Sequence[float]) -> State:
+    """Where the controls lead; they may jump at each of `times`, which begins and ends the integration."""
+    state = list(start)
+    for begin, end in zip(times, times[1:], strict=False):
+        # Just inside the piece: the controls at a jump are those of what follows it.
+        inset = 1e-12 * (end - begin)
+
+        def moved(
+            time: float, now: Array, begin: float = begin + inset, end: float = end - inset
+        ) -> list[float]:
+            u, w = controls(min(max(time, begin), end))
+            return [u * np.cos(now[2]), u * np.sin(now[2]), w]
+
+        found = solve_ivp(moved, (begin, end), state, method="DOP853", rtol=1e-12, atol=1e-13)
+        state = found.y[:, -1].tolist()
+    return state[0], state[1], state[2]
+
+
+def collocated(
+    goals: Sequence[Goal],
+    *,
+    rho: float = 1.0,
+    forward: bool = False,
+    elements: int = 12,
+    degree: int = 5,
+    seed: int = 0,
+) -> float:
+    """The least cost, in one second, from the origin by way of all `goals`; ``None`` is free.
+
+    The cost is the integral of ``rho * u**2 + w**2``. A phase leads to each goal; the solver chooses its time.
+    """
+    import casadi
+
+    points = np.append(0.0, casadi.collocation_points(degree, "legendre"))
+    slope, close, weigh = _lagrange(points)
+    problem = casadi.Opti()
+    random = np.random.default_rng(seed)
+    cost: Any = 0.0
+    lengths = []
+    now: Any = casadi.DM([0.0, 0.0, 0.0])
+    guess = np.zeros(3)
+    for goal in goals:
+        length = problem.variable()
+        problem.set_initial(length, 1 / len(goals))
+        problem.subject_to(length >= 0.01)
+        lengths.append(length)
+        wanted = np.array([random.normal() * 0.3 if value is None else value for value in goal])
+        for element in range(elements):
+            step = length / elements
+            states = [now, *(problem.variable(3) for _ in range(degree))]
+            controls = problem.variable(2, degree)
+            problem.set_initial(controls, random.normal(size=(2, degree)) * 0.5 + 1)
+            for place, state in enumerate(states[1:], start=1):
+                share = (element + points[place]) / elements
+                problem.set_initial(state, guess + (wanted - guess) * share + random.normal(size=3) * 0.05)
+                u, w = controls[0, place - 1], controls[1, place - 1]
+                if forward:
+                    problem.subject_to(u >= 0)
+                motion = casadi.vertcat(u * casadi.cos(state[2]), u * casadi.sin(state[2]), w)
+                problem.subject_to(
+                    step * motion == sum(slope[r, place] * states[r] for r in range(degree + 1))
+                )
+                cost += weigh[place] * step * (rho * u**2 + w**2)
+            now = problem.variable(3)
+            problem.subject_to(now == sum(close[r] * states[r] for r in range(degree + 1)))
+            problem.set_initial(now, guess + (wanted - guess) * (element + 1) / elements)
+        for coordinate, value in enumerate(goal):
+            if value is not None:
+                problem.subject_to(now[coordinate] == value)
+        guess = wanted
+    problem.subject_to(sum(lengths) == 1)
+    problem.minimize(cost)
+    problem.solver(
+        "ipopt", {"print_time": 0}, {"print_level": 0, "sb": "yes", "max_iter": 1000, "tol": 1e-11}
+    )
+    return float(problem.solve().value(cost))
+
+
+def _lagrange(points: Array) -> tuple[Array, Array, Array]:
+    """Derivatives at the points, values at 1 and integrals over [0, 1] of the Lagrange polynomials."""
+    count = len(points)
+    slope, close, weigh = np.zeros((count, count)), np.zeros(count), np.zeros(count)
+    for place in range(count):
+        others = np.delete(points, place)
+        polynomial = np.poly1d(others, r=True) / np.prod(points[place] - others)
+        slope[place] = np.polyder(polynomial)(points)
+        close[place] = polynomial(1.0)
+        weigh[place] = np.polyint(polynomial)(1.0)
+    return slope, close, weigh
