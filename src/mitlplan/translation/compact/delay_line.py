@@ -1,11 +1,11 @@
 """A delay of exactly a: what is claimed now is claimed of the next transducer a later.
 
-``F_[a,b] = F_[a,a] F_[0,b-a]``, and the same for G. The claim is first smoothed: it may be prolonged over a gap,
-which keeps the stretches so few that a fixed number of recorders can hold those not yet replayed, because the truth of
-``F_[a,b] f`` has no true stretch shorter than b - a, and that of ``G_[a,b] f`` no false one (docs: translation, 5.4).
-A stretch that begins with a claim and ends with one contains at most one claim-free gap of length b - a less than the
-truth does, hence the bound in :func:`recorder_count`. Each recorder remembers one stretch: the ages of its two ends, and
-whether they belong to it. Recorders stand in a row, the first free one takes the next stretch.
+``F_[a,b] = F_[a,a] F_[0,b-a]``, and the same for G. The claim is first smoothed: where it ends, the gap up to the next
+claim may be filled. That leaves so few stretches that a fixed number of recorders can hold those not yet replayed: the
+truth of ``F_[a,b] f`` has no true stretch shorter than b - a unless it begins at 0, and gaps inside a true stretch can be
+filled; that of ``G_[a,b] f`` has no false stretch shorter than b - a, and shorter gaps can be filled (docs: translation,
+5.4). Each recorder remembers one stretch: the ages of its two ends, and whether the ends belong to it. Recorders stand in
+a row, and the first free one takes the next stretch.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from mitlplan.automata.transducer import Constraint, Edge, Guard, Location, Rela
 from mitlplan.translation.compact.ages import exactly
 from mitlplan.translation.compact.claims import Claim, Demand, Inputs, edge, every_input, made
 
-LOW, HIGH = "low", "high"
+LOW, HIGH, FILLING = "low", "high", "filling"
 EMPTY, SPOT, REPLAYING = "empty", "spot", "replaying"
 
 
@@ -48,12 +48,15 @@ BEGINNINGS = (*KINDS, "spot")
 
 
 def recorder_count(delay: Fraction, width: Fraction) -> int:
-    """How many stretches may have to be remembered at once, for a delay a and a width b - a, in seconds."""
-    return 2 * floor(delay / width) + 3
+    """How many stretches may have to be remembered at once, for a delay a and a width b - a, in seconds.
+
+    Of the stretches that end within a only the first and the last may be shorter than b - a, or their gaps may.
+    """
+    return floor(delay / width) + 2
 
 
 def smoother(name: str, claim: Claim, parked: Demand) -> Transducer:
-    """Turns claims into stretches: each begins with a claim; it may end once claims have ended."""
+    """Turns claims into stretches, each beginning and ending with a claim."""
     line = Line(claim.number)
 
     def begin(kind: str) -> frozenset[str]:
@@ -68,29 +71,36 @@ def smoother(name: str, claim: Claim, parked: Demand) -> Transducer:
                 case False, False:
                     yield edge(LOW, LOW, inputs=inputs)
                     yield edge(HIGH, LOW, inputs=inputs, emits=end("limit"))
+                    yield edge(HIGH, FILLING, inputs=inputs)
+                    yield edge(FILLING, FILLING, inputs=inputs)
                 case True, False:
                     yield edge(LOW, LOW, inputs=inputs, emits=begin("spot"))
-                    yield edge(LOW, HIGH, inputs=inputs, emits=begin("attained"))
-                    yield edge(HIGH, LOW, inputs=inputs, emits=end("attained"))
+                    yield edge(LOW, FILLING, inputs=inputs, emits=begin("attained"))
+                    for source in (HIGH, FILLING):
+                        yield edge(source, LOW, inputs=inputs, emits=end("attained"))
+                        yield edge(source, FILLING, inputs=inputs)
                 case False, True:
                     yield edge(LOW, HIGH, inputs=inputs, emits=begin("limit"))
                     yield edge(HIGH, HIGH, inputs=inputs, emits=end("limit") | begin("limit"))
+                    yield edge(HIGH, HIGH, inputs=inputs)
+                    yield edge(FILLING, HIGH, inputs=inputs)
                 case _:
                     yield edge(LOW, HIGH, inputs=inputs, emits=begin("attained"))
-            yield edge(HIGH, HIGH, inputs=inputs)
+                    yield edge(HIGH, HIGH, inputs=inputs)
+                    yield edge(FILLING, HIGH, inputs=inputs)
 
     def endings() -> Iterator[Edge | None]:
         yield edge(LOW, LOW, inputs=Inputs(claim, False, False))
 
     def parkings() -> Iterator[Edge | None]:
-        for source in (LOW, HIGH):
+        for source in (LOW, HIGH, FILLING):
             for inputs in every_input(claim):
-                demands = (parked,) if inputs.point or inputs.open or source == HIGH else ()
+                demands = (parked,) if inputs.point or inputs.open or source != LOW else ()
                 yield edge(source, LOW, inputs=inputs, at_point=demands)
 
     return Transducer(
         name,
-        (Location(LOW), Location(HIGH, restless=Restless.ALWAYS)),
+        (Location(LOW), Location(HIGH), Location(FILLING)),
         made(edges()),
         made(endings()),
         made(parkings()),
@@ -210,7 +220,7 @@ def recorder(
         yield Edge("closing limit", EMPTY, ripe[second], excludes=no_begin)
 
     locations = [Location(EMPTY)]
-    for source in dict.fromkeys(edge.target for edge in edges()):
+    for source in dict.fromkeys(one.target for one in edges()):
         if source == EMPTY:
             continue
         clock = second if source.startswith("closing") else first

@@ -260,7 +260,7 @@ class _Translator:
             raise TranslationError(
                 f"{written(core)}: the delay of {interval.lower} s is so long against the width of {width} s "
                 f"that it would take {count} pairs of clocks; widen the interval to at least "
-                f"{2 * interval.lower / (MAXIMAL_RECORDERS - 3)} s"
+                f"{interval.lower / (MAXIMAL_RECORDERS - 2)} s"
             )
         undelayed = replace(
             core,
