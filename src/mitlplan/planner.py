@@ -179,8 +179,10 @@ class _Planning:
                 best: Plan | None = self.plan_of_run(tables, result)
             case Exhausted():
                 best = None
-        if not endless or (best is not None and not fastest):
-            return best or self.infeasible()
+        if best is not None and not (endless and fastest):
+            return replace(best, statistics=self.statistics())
+        if not endless:
+            return self.infeasible()
         with self.stage("loops"):
             if fastest:
                 loops = fastest_loop(question, best.makespan if best else None, self.limits)
