@@ -81,6 +81,7 @@ def _as_it_stands(text: str) -> Core:
         ("!A W A", "!A U A | G !A"),
         ("A W F B", "A U F B | G A"),
         ("F[0,0] A", "A"),
+        ("G[5,inf) false", "G[5,inf) false"),
         ("A U[0,0] B", "B"),
         ("A & (B | A) & B", "(A | B) & A & B"),
         ("(A | B) & !A & !B", "false"),
