@@ -222,8 +222,13 @@ void Search::expand(NodeId id) {
             enumerate(StepKind::parking, edge, driven_);
     }
     if (initial) return;
-    if (successors_.restless(at)) enumerate(StepKind::move, stands_still, zone);
-    if (goals && options_.endings) enumerate(StepKind::ending, stands_still, zone);
+    const bool restless = successors_.restless(at);
+    if (!restless && !(goals && options_.endings)) return;
+    // At the end of its longest stay the driver is no longer there.
+    driven_.assign(zone.begin(), zone.end());
+    if (!successors_.constrain(driven_, clocks, tables_.locations[static_cast<std::size_t>(at[0])].still)) return;
+    if (restless) enumerate(StepKind::move, stands_still, driven_);
+    if (goals && options_.endings) enumerate(StepKind::ending, stands_still, driven_);
 }
 
 bool Search::finished() const noexcept {

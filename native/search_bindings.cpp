@@ -84,6 +84,7 @@ Rows<ClockBounds> read_bounds(const nb::dict& from) {
 
 std::vector<Location> read_locations(const nb::dict& from) {
     const auto invariants = column<Index>(from, "location_invariant");
+    const auto stills = column<Index>(from, "location_still");
     const auto bounds = column<Index>(from, "location_bounds");
     const auto emits = column<Index>(from, "location_emits");
     const auto restless = column<Index>(from, "location_restless");
@@ -91,12 +92,12 @@ std::vector<Location> read_locations(const nb::dict& from) {
     const auto clocks = column<Index>(from, "location_deadline_clock");
     const auto deadlines = column<Ticks>(from, "location_deadline");
     for (const std::size_t size :
-         {bounds.size(), emits.size(), restless.size(), targets.size(), clocks.size(), deadlines.size()})
+         {stills.size(), bounds.size(), emits.size(), restless.size(), targets.size(), clocks.size(), deadlines.size()})
         same_length(size, invariants.size());
     std::vector<Location> locations;
     locations.reserve(invariants.size());
     for (std::size_t k = 0; k < invariants.size(); ++k)
-        locations.push_back({invariants[k], bounds[k], emits[k], restless[k], targets[k], clocks[k], deadlines[k]});
+        locations.push_back({invariants[k], stills[k], bounds[k], emits[k], restless[k], targets[k], clocks[k], deadlines[k]});
     return locations;
 }
 

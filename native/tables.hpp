@@ -71,6 +71,7 @@ struct Edge {
 
 struct Location {
     Index invariant;
+    Index still;  // guard of a step in which the component makes no move; driver only
     Index bounds;
     Index emits;  // driver only
     Index restless;  // never, always, or the signal that must be set
@@ -163,6 +164,7 @@ inline void Tables::validate() const {
     demand(distances.size() % static_cast<std::size_t>(driver_locations()) == 0, "distances");
     for (const auto& location : locations) {
         demand(within(location.invariant, static_cast<std::size_t>(guards.count())), "an invariant");
+        demand(within(location.still, static_cast<std::size_t>(guards.count())), "a guard for standing still");
         demand(within(location.bounds, static_cast<std::size_t>(bounds.count())), "bounds of a location");
         demand(within(location.emits, sets), "signals of a location");
         demand(location.restless >= restless_always && location.restless < words * 64, "a restless signal");

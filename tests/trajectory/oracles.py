@@ -1,12 +1,13 @@
 """Slow and independent ways to know what a unicycle does and what is cheapest.
 
-Integration by DOP853 from the controls alone, and direct collocation (CasADi and IPOPT), which knows nothing of
-extremals: piecewise polynomial states, the equations of motion at the Legendre points, and a general solver.
+Integration by DOP853 from the controls alone, and direct collocation (CasADi and IPOPT), which knows nothing
+of extremals: piecewise polynomial states, the equations of motion at the Legendre points, a general solver.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ Goal = tuple[float | None, float | None, float | None]
 def integrated(start: State, controls: Controls, times: Sequence[float]) -> State:
     """Where the controls lead; they may jump at each of `times`, which begins and ends the integration."""
     state = list(start)
-    for begin, end in zip(times, times[1:], strict=False):
+    for begin, end in pairwise(times):
         # Just inside the piece: the controls at a jump are those of what follows it.
         inset = 1e-12 * (end - begin)
 
@@ -41,14 +42,15 @@ def collocated(
     goals: Sequence[Goal],
     *,
     rho: float = 1.0,
+    duration: float = 1.0,
     forward: bool = False,
     elements: int = 12,
     degree: int = 5,
     seed: int = 0,
 ) -> float:
-    """The least cost, in one second, from the origin by way of all `goals`; ``None`` is free.
+    """The least cost, in `duration` seconds, from the origin by way of all `goals`; ``None`` is free.
 
-    The cost is the integral of ``rho * u**2 + w**2``. A phase leads to each goal; the solver chooses its time.
+    The cost is the integral of ``rho * u**2 + w**2``. A phase leads to each goal, as long as is cheapest.
     """
     import casadi
 
@@ -62,7 +64,7 @@ def collocated(
     guess = np.zeros(3)
     for goal in goals:
         length = problem.variable()
-        problem.set_initial(length, 1 / len(goals))
+        problem.set_initial(length, duration / len(goals))
         problem.subject_to(length >= 0.01)
         lengths.append(length)
         wanted = np.array([random.normal() * 0.3 if value is None else value for value in goal])
@@ -89,7 +91,7 @@ def collocated(
             if value is not None:
                 problem.subject_to(now[coordinate] == value)
         guess = wanted
-    problem.subject_to(sum(lengths) == 1)
+    problem.subject_to(sum(lengths) == duration)
     problem.minimize(cost)
     problem.solver(
         "ipopt", {"print_time": 0}, {"print_level": 0, "sb": "yes", "max_iter": 1000, "tol": 1e-11}

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from mitlplan.trajectory.leg import Steady, Weights
 from mitlplan.trajectory.motion import (
     Motion,
     Style,
@@ -15,7 +16,6 @@ from mitlplan.trajectory.motion import (
     turn_right,
     u_turn,
 )
-from mitlplan.trajectory.leg import Steady, Weights
 from mitlplan.trajectory.pose import QUARTER, Pose
 from mitlplan.trajectory.profile import Profile
 from tests.trajectory.oracles import integrated

@@ -91,6 +91,9 @@ def differences(tables: Tables, path: Path) -> Iterator[Difference]:
             yield Difference(step - 1, step, 0, strict=True)
         for kind_of_edge, edge in taken:
             yield from guarded(int(arrays[f"{kind_of_edge}_guard"][edge]), step)
+        if edges[0] == STANDS_STILL:
+            here = _location_after(arrays, path, step, 0, STANDS_STILL)
+            yield from guarded(int(arrays["location_still"][here]), step)
         if step == count - 1:
             return
         for kind_of_edge, edge in taken:

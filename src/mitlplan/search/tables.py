@@ -223,6 +223,14 @@ class _Tabulation:
             ],
             dtype=np.int32,
         )[automaton.invariant]
+        # In a step without a move the robot is still there: its longest stay is not over.
+        stills = np.array(
+            [
+                *(self.guards(((self.clock(MAP_CLOCK), True, True, value),)) for value in durations),
+                0,
+            ],
+            dtype=np.int32,
+        )[automaton.invariant]
         ticks = np.array([*durations, UNBOUNDED], dtype=np.int64)
         lower = np.full(automaton.location_count, UNBOUNDED, dtype=np.int64)
         upper = ticks[automaton.invariant]
@@ -248,6 +256,7 @@ class _Tabulation:
         moves, begins = len(automaton.source), len(automaton.initial)
         locations = {
             "invariant": np.append(invariants, 0),
+            "still": np.append(stills, 0),
             "bounds": np.append(bound_numbers[which.reshape(-1)], 0),
             "emits": np.append(labels[automaton.label_of], empty),
         }
@@ -384,6 +393,7 @@ class _Tabulation:
         names = ("invariant", "bounds", "emits", "restless", "target", "deadline_clock", "deadline")
         count = len(driver["emits"])
         own = np.array(rows, dtype=np.int64).reshape(-1, len(names))
+        columns["location_still"] = np.append(driver["still"], np.zeros(len(own))).astype(np.int32)
         for index, name in enumerate(names):
             default = 0 if name == "deadline" else UNBOUNDED
             head = driver.get(name, np.full(count, default))

@@ -33,6 +33,8 @@ Flight: TypeAlias = Callable[[float, float, float], Way]
 _STARTS = 20
 _SAME = 1e-9
 _MOST_STRETCHES = 6
+_NEAR = 0.2
+_STRIDE = 0.3
 
 
 @lru_cache(maxsize=4096)
@@ -126,25 +128,28 @@ def _cheapest(ways: Iterable[Way]) -> Way:
 def _shot(goal: Pose, flight: Flight, starts: int) -> Iterator[Way]:
     """The ways of `flight` that end at `goal`, over its three unknowns at the start."""
 
-    def miss(start: Array) -> Array:
+    def miss(start: Array, share: float) -> Array:
         end = end_of_way(flight(*start.tolist()))
-        return np.array([end.x - goal.x, end.y - goal.y, end.heading - goal.heading])
+        return np.array([end.x - share * goal.x, end.y - share * goal.y, end.heading - goal.heading])
 
-    for start in _starts(goal, starts):
-        found = root(miss, start, tol=1e-13)
+    distance = math.hypot(goal.x, goal.y)
+    nearest = min(1.0, _NEAR / distance)
+    start = _from_spot(Pose(nearest * goal.x, nearest * goal.y, goal.heading))
+    # From a goal near by, where the way is all but a turn on the spot, to the goal itself.
+    for share in np.geomspace(nearest, 1.0, 2 + math.ceil(math.log(1 / nearest) / _STRIDE)).tolist():
+        found = root(miss, start, args=(share,), tol=1e-13)
+        start = found.x
+    if np.abs(found.fun).max() < _SAME:
+        yield flight(*start.tolist())
+    spread = np.array([distance + 1, distance + 1, abs(goal.heading) + 2])
+    # The seed is part of the method: equal goals always get equal ways.
+    for draw in np.random.default_rng(0).normal(size=(starts, 3)):
+        found = root(miss, np.array([goal.x, goal.y, goal.heading]) + draw * spread, args=(1.0,), tol=1e-13)
         if np.abs(found.fun).max() < _SAME:
             yield flight(*found.x.tolist())
 
 
-def _starts(goal: Pose, count: int) -> Iterator[Array]:
-    yield _continued_from_spot(goal)
-    spread = np.array([math.hypot(goal.x, goal.y) + 1, math.hypot(goal.x, goal.y) + 1, abs(goal.heading) + 2])
-    # The seed is part of the method: equal goals always get equal ways.
-    scatter = np.random.default_rng(0).normal(size=(count, 3))
-    yield from np.array([goal.x, goal.y, goal.heading]) + scatter * spread
-
-
-def _continued_from_spot(goal: Pose) -> Array:
+def _from_spot(goal: Pose) -> Array:
     """The start of the extremal to a goal very near by: there the heading grows evenly."""
     angle = np.linspace(0.0, goal.heading, 65)
     cosine, sine = np.cos(angle), np.sin(angle)
