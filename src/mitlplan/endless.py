@@ -18,10 +18,7 @@ from heapq import heappop, heappush
 from itertools import islice
 from typing import Literal as Choice
 
-import numpy as np
-from numpy.typing import NDArray
-
-from mitlplan.automata.transducer import Constraint, Edge, Location, Network, Relation, Transducer
+from mitlplan.automata.transducer import Constraint, Edge, Location, Relation, Transducer
 from mitlplan.compose import compose
 from mitlplan.logic.core import Core
 from mitlplan.logic.formula import And, Formula, Not
@@ -32,7 +29,7 @@ from mitlplan.search.lasso import Lasso, Timetable, lassos, timetable
 from mitlplan.search.schedule import STANDS_STILL
 from mitlplan.search.tables import Tables, tabulate
 from mitlplan.translation.compact.relax import relax
-from mitlplan.workspace.compress import Compressed, compress
+from mitlplan.workspace.compress import Compressed, compress, look_alike
 from mitlplan.workspace.workspace import Workspace
 
 LASSOS = 200
@@ -292,7 +289,8 @@ def fastest_loop(question: Question, to_beat: Fraction | None, limits: Limits) -
 def any_loop(question: Question, limits: Limits) -> Loops:
     """A loop from the zone graph, the best of some, or a proof that there is none."""
     network = compose(question.workspace, question.starts, question.core)
-    small = compress(question.workspace, _label_classes(network), question.starts)
+    classes = look_alike(question.workspace, network.predicates.values())
+    small = compress(question.workspace, classes, question.starts)
     if small is not None:
         network = compose(small.workspace, small.starts, question.core)
     if not question.workspace.durations or min(question.workspace.durations) == 0:
@@ -321,14 +319,6 @@ def any_loop(question: Question, limits: Limits) -> Loops:
     if best is None:
         return Loops(reason="there are infinite runs, but no exactly periodic one was found among their loops")
     return Loops(loop=best, exists=True)
-
-
-def _label_classes(network: Network) -> NDArray[np.intp]:
-    """For each cell a number that it shares with those in which the same predicates hold."""
-    labels = range(len(network.map.label_sets))
-    rows = [[label in where for label in labels] for where in network.predicates.values()]
-    _, classes = np.unique(np.array(rows).reshape(-1, len(labels)), axis=1, return_inverse=True)
-    return classes.reshape(-1)[network.map.label_of]
 
 
 def _expanded(small: Compressed, loop: Round) -> Round:
