@@ -34,7 +34,7 @@ from mitlplan.logic.core import (
     holds,
 )
 from mitlplan.logic.formula import Formula, Iff, Not
-from mitlplan.logic.normalize import co_safe, normalize
+from mitlplan.logic.normalize import co_safe, negation_normal_form, normalize
 from mitlplan.logic.semantics import satisfies
 from mitlplan.logic.signal import Signal
 from mitlplan.mission import Mission
@@ -168,7 +168,9 @@ class _Planning:
             network = compose(question.workspace, question.starts, question.core, horizon=self.horizon)
             tables = tabulate(network)
             self.size = _size(network)
-        endless = self.horizon == "infinite" and not co_safe(question.core)
+        endless = self.horizon == "infinite" and not all(
+            co_safe(negation_normal_form(formula, question.until)) for formula in question.formulas
+        )
         with self.stage("search"):
             result = fastest_run(tables, self.limits, parkings=endless)
         self.states += result.states

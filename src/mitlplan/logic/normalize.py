@@ -105,6 +105,29 @@ def normalize(
     return simplify(_core(formula, positive=True, closed=closed), endless=horizon == "infinite")
 
 
+def negation_normal_form(formula: Formula, until: Choice["standard", "closed"] = "standard") -> Core:
+    """The formula with its negations pushed to the atoms, and nothing else done to it.
+
+    Whether a formula is co-safe is asked of this form: an identity may well do away with an operator that
+    reaches to infinity, and which plans count must not depend on that.
+
+    Raises
+    ------
+    FormulaError
+        As :func:`normalize`.
+
+    Examples
+    --------
+    >>> from mitlplan.logic.parse import parse
+    >>> formula = parse("G[1,3] A | G[1,inf) A")
+    >>> co_safe(negation_normal_form(formula)), co_safe(normalize(formula))
+    (False, True)
+    """
+    closed = until == "closed"
+    _refuse_large(formula, closed=closed)
+    return _core(formula, positive=True, closed=closed)
+
+
 def written(core: Core) -> Formula:
     """A formula in normal form as a user would write it.
 
