@@ -24,16 +24,13 @@ def chart(map_automaton: MapAutomaton, names: Sequence[str], *, clock: str = "z"
     )
     ends = zip(map_automaton.source, map_automaton.target, strict=True)
     stays = zip(map_automaton.least, map_automaton.most, strict=True)
-    edges = tuple(
-        Edge(
-            int(source),
-            int(target),
-            guard=(_at_least(clock, durations[int(least)]), *_at_most(clock, durations, int(most))),
-            resets=frozenset({clock}),
-        )
-        for (source, target), (least, most) in zip(ends, stays, strict=True)
-    )
-    return Automaton("map", locations, edges, map_automaton.initial[0])
+    edges = []
+    for (source, target), (least, most) in zip(ends, stays, strict=True):
+        # What the invariant says already need not be said again.
+        late = () if most == map_automaton.invariant[source] else _at_most(clock, durations, int(most))
+        guard = (_at_least(clock, durations[int(least)]), *late)
+        edges.append(Edge(int(source), int(target), guard=guard, resets=frozenset({clock})))
+    return Automaton("map", locations, tuple(edges), map_automaton.initial[0])
 
 
 def _at_least(clock: str, bound: Fraction) -> Constraint:

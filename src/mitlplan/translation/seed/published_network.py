@@ -10,7 +10,7 @@ as in the published models, and a checker begins as the formula asks of its gues
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -149,7 +149,10 @@ def _timed_model(
 ) -> PublishedModel:
     guesses = _first_guesses(automaton)
     distinct = sorted({guess for guess, _ in guesses}, reverse=True)
-    system = _Assembly("sys", product.locations, product.edges, [False] * len(product.parts))
+    channels = _channels(automaton)
+    named = {event_name(k): channel for k, channel in enumerate(channels)}
+    edges = [replace(edge, events=frozenset(named[event] for event in edge.events)) for edge in product.edges]
+    system = _Assembly("sys", product.locations, edges, [False] * len(product.parts))
     system.begin(
         [
             Edge(0, index, assignments=_told(place, distinct))
@@ -159,11 +162,11 @@ def _timed_model(
         ]
     )
     generator = _generator(automaton, guesses, distinct, len(product.parts))
-    verifier = _verifier(len(automaton.checkers))
+    verifier = _verifier(channels)
     network = Network(
         automata=(system.automaton(), generator.automaton(), verifier),
         clocks=(*automaton.clocks, clock, TIME),
-        channels=tuple(Channel(event_name(k), broadcast=True) for k in range(len(automaton.checkers))),
+        channels=tuple(Channel(name, broadcast=True) for name in channels),
         variables=(BoundedInteger(GUESS, 0, len(distinct) - 1),) if len(distinct) > 1 else (),
     )
     finals = {each.name: FINAL for each in network.automata if any(at.name == FINAL for at in each.locations)}
@@ -259,12 +262,19 @@ def _generator(
     return assembly
 
 
-def _verifier(checkers: int) -> Automaton:
+def _channels(automaton: PublishedAutomaton) -> list[str]:
+    """The channels of the checkers; a single one is called ``ch``, as in the paper."""
+    count = len(automaton.checkers)
+    return ["ch"] if count == 1 else [event_name(k) for k in range(count)]
+
+
+def _verifier(channels: Sequence[str]) -> Automaton:
     """``sys1``: receives each checker's announcement once, in any order."""
+    checkers = len(channels)
     sets = [frozenset(heard) for size in range(checkers + 1) for heard in combinations(range(checkers), size)]
     names = ["wait", *("heard" + "".join(f"_{k}" for k in sorted(heard)) for heard in sets[1:-1]), FINAL]
     edges = [
-        Edge(source, sets.index(heard | {k}), synchronisation=Synchronisation(event_name(k), sends=False))
+        Edge(source, sets.index(heard | {k}), synchronisation=Synchronisation(channels[k], sends=False))
         for source, heard in enumerate(sets)
         for k in range(checkers)
         if k not in heard
@@ -341,12 +351,20 @@ def _cells(product: MapProduct, system: _Assembly) -> tuple[int | None, ...]:
 
 
 def _layers(product: MapProduct, system: _Assembly) -> tuple[int, ...]:
-    number: Mapping[tuple[int, ...], int] = {
-        formula_part: index
-        for index, formula_part in enumerate(dict.fromkeys(part[1:] for part in product.parts))
-    }
+    """What the formula does gets the first copy of the map on which its cells are still free."""
+    cells: dict[tuple[int, ...], set[int]] = {}
+    for part in product.parts:
+        cells.setdefault(part[1:], set()).add(part[0])
+    copies: list[set[int]] = []
+    number: dict[tuple[int, ...], int] = {}
+    for formula_part, wanted in cells.items():
+        free = (index for index, taken in enumerate(copies) if not taken & wanted)
+        number[formula_part] = index = next(free, len(copies))
+        if index == len(copies):
+            copies.append(set())
+        copies[index] |= wanted
     known = [number[part[1:]] for part in product.parts]
-    return (*known, *(len(number) for _ in range(len(system.locations) - len(known))))
+    return (*known, *(len(copies) for _ in range(len(system.locations) - len(known))))
 
 
 def _counted(main: Iota, product: MapProduct) -> tuple[int, int]:
