@@ -37,6 +37,11 @@ Bound* Search::Arena::allocate(std::size_t count) {
 
 Search::Search(Tables tables, const Options& options)
     : tables_((tables.validate(), std::move(tables))), options_(options), successors_(tables_), table_(1024, 0) {
+    first_at_.assign(static_cast<std::size_t>(tables_.driver_locations()), none);
+    // Worth its price where components choose when to act, which makes states differ that need not.
+    relief_ = !options_.record && std::ranges::any_of(tables_.locations, [](const Location& location) {
+        return location.restless == restless_always;
+    });
     start();
 }
 
@@ -83,7 +88,9 @@ Index Search::find_state(std::span<const Index> wanted) {
     for (; table_[slot] != 0; slot = (slot + 1) & mask)
         if (std::ranges::equal(locations(table_[slot] - 1), wanted)) return table_[slot] - 1;
     const auto state = static_cast<Index>(states_.size());
-    states_.push_back({find_active(wanted), none});
+    Index& first_here = first_at_[static_cast<std::size_t>(wanted[0])];
+    states_.push_back({find_active(wanted), none, first_here});
+    first_here = state;
     state_locations_.insert(state_locations_.end(), wanted.begin(), wanted.end());
     table_[slot] = state + 1;
     if (states_.size() * 2 > table_.size()) {
@@ -125,6 +132,42 @@ Ticks Search::estimate(std::span<const Bound> zone, const ActiveClocks& clocks,
     return result;
 }
 
+bool Search::relieves(Index easier, Index state) const noexcept {
+    const auto there = locations(easier);
+    const auto here = locations(state);
+    for (std::size_t component = 1; component < here.size(); ++component) {
+        Index location = here[component];
+        while (location > there[component]) location = tables_.locations[static_cast<std::size_t>(location)].relief;
+        if (location != there[component]) return false;
+    }
+    return true;
+}
+
+bool Search::relieved(Index state, const ActiveClocks& clocks, Index moves) {
+    const int dimension = clocks.dimension();
+    Index easier = first_at_[static_cast<std::size_t>(locations(state)[0])];
+    for (; easier != none; easier = states_[static_cast<std::size_t>(easier)].next) {
+        const State& other = states_[static_cast<std::size_t>(easier)];
+        if (easier == state || other.first == none || !relieves(easier, state)) continue;
+        const ActiveClocks& fewer = active_[static_cast<std::size_t>(other.active)];
+        positions_.clear();
+        for (const int clock : fewer.clocks) positions_.push_back(clock == 0 ? 0 : clocks.position(clock));
+        if (std::ranges::find(positions_, static_cast<int>(none)) != positions_.end()) continue;
+        for (NodeId id = other.first; id != none; id = nodes_[static_cast<std::size_t>(id)].next) {
+            const Node& node = nodes_[static_cast<std::size_t>(id)];
+            if (node.moves > moves) continue;
+            const Bound* outer = node.zone;
+            bool included = true;
+            for (const int i : positions_) {
+                for (const int j : positions_) included = included && *outer++ >= settled_[dbm::entry(dimension, i, j)];
+                if (!included) break;
+            }
+            if (included) return true;
+        }
+    }
+    return false;
+}
+
 void Search::store(NodeId parent, const JointStep& step, Index state, const ActiveClocks& clocks, Index moves,
                    Ticks estimated) {
     State& home = states_[static_cast<std::size_t>(state)];
@@ -139,6 +182,7 @@ void Search::store(NodeId parent, const JointStep& step, Index state, const Acti
         recorded_.push_back({parent, target, marks()});
         recorded_edges_.insert(recorded_edges_.end(), step.edges.begin(), step.edges.end());
     };
+    if (relief_ && relieved(state, clocks, moves)) return;
     NodeId* link = &home.first;
     while (*link != none) {
         Node& other = nodes_[static_cast<std::size_t>(*link)];

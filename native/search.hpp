@@ -89,6 +89,7 @@ private:
     struct State {
         Index active;
         NodeId first;
+        Index next;  // the next one with the same location of the driver
     };
 
     struct Waiting {
@@ -130,6 +131,10 @@ private:
     void store(NodeId parent, const JointStep& step, Index state, const ActiveClocks& clocks, Index moves,
                Ticks estimate);
     bool finished() const noexcept;
+    /// Whether every component of `easier` is where it is in `state`, or in a relief of that.
+    bool relieves(Index easier, Index state) const noexcept;
+    /// Whether the settled zone lies in one stored for a state that owes less.
+    bool relieved(Index state, const ActiveClocks& clocks, Index moves);
     Index find_state(std::span<const Index> locations);
     Index find_active(std::span<const Index> locations);
     /// A lower bound on the objective beyond this zone; past `tick_limit` if nothing can be reached.
@@ -142,6 +147,8 @@ private:
     std::vector<Index> steps_;  // the joint step that led to each node
     std::vector<State> states_;
     std::vector<Index> state_locations_;
+    std::vector<Index> first_at_;  // by location of the driver: a state there, the others follow
+    bool relief_ = false;  // whether states are compared with those that owe less
     std::vector<Index> table_;  // open addressing: state + 1
     std::vector<ActiveClocks> active_;
     std::unordered_map<std::string, Index> active_index_;
@@ -157,6 +164,7 @@ private:
     std::vector<Bound> settled_;
     std::string key_;
     ActiveClocks scratch_;
+    std::vector<int> positions_;
 };
 
 }  // namespace mitlplan

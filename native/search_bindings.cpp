@@ -91,13 +91,14 @@ std::vector<Location> read_locations(const nb::dict& from) {
     const auto targets = column<Index>(from, "location_target");
     const auto clocks = column<Index>(from, "location_deadline_clock");
     const auto deadlines = column<Ticks>(from, "location_deadline");
+    const auto reliefs = column<Index>(from, "location_relief");
     for (const std::size_t size :
-         {stills.size(), bounds.size(), emits.size(), restless.size(), targets.size(), clocks.size(), deadlines.size()})
+         {stills.size(), bounds.size(), emits.size(), restless.size(), targets.size(), clocks.size(), deadlines.size(), reliefs.size()})
         same_length(size, invariants.size());
     std::vector<Location> locations;
     locations.reserve(invariants.size());
     for (std::size_t k = 0; k < invariants.size(); ++k)
-        locations.push_back({invariants[k], stills[k], bounds[k], emits[k], restless[k], targets[k], clocks[k], deadlines[k]});
+        locations.push_back({invariants[k], stills[k], bounds[k], emits[k], restless[k], targets[k], clocks[k], deadlines[k], reliefs[k]});
     return locations;
 }
 

@@ -78,6 +78,7 @@ struct Location {
     Index target;  // a distance field, or none
     Index deadline_clock;  // or none
     Ticks deadline;
+    Index relief;  // a location of the same component that owes less, or none
 };
 
 struct Tables {
@@ -178,7 +179,10 @@ inline void Tables::validate() const {
         for (Index component = 0; component < components(); ++component) {
             const Index first = component_start[static_cast<std::size_t>(component)];
             const Index last = component_start[static_cast<std::size_t>(component) + 1];
-            for (Index location = first; location < last; ++location)
+            for (Index location = first; location < last; ++location) {
+                const Index relief = locations[static_cast<std::size_t>(location)].relief;
+                // Chains of reliefs end, because they lead to locations further to the front.
+                demand(relief == none || (first <= relief && relief < location), "a relief");
                 for (const Edge& edge : edges_of(static_cast<StepKind>(kind), location)) {
                     demand(first <= edge.target && edge.target < last, "the target of an edge");
                     demand(within(edge.guard, static_cast<std::size_t>(guards.count())), "the guard of an edge");
@@ -187,6 +191,7 @@ inline void Tables::validate() const {
                     demand(within(edge.reads, sets) && within(edge.avoids, sets) && within(edge.emits, sets),
                            "the signals of an edge");
                 }
+            }
         }
     }
 }

@@ -96,6 +96,9 @@ class Location:
         The clock and its value by which `target` must hold, if there is one.
     restless
         When silent steps must be tried here; ``WHEN_TARGET`` means in cells where `target` holds.
+    relief
+        A location that owes less, if there is one: with the same values of the clocks that are active there,
+        whatever can be done from here can be done from there.
     """
 
     name: str
@@ -103,6 +106,7 @@ class Location:
     target: str = ""
     deadline: Constraint | None = None
     restless: Restless = Restless.NEVER
+    relief: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -119,7 +119,7 @@ def negation_normal_form(formula: Formula, until: Choice["standard", "closed"] =
     Examples
     --------
     >>> from mitlplan.logic.parse import parse
-    >>> formula = parse("G[1,3] A | G[1,inf) A")
+    >>> formula = parse("G[1,3] A | G A")
     >>> co_safe(negation_normal_form(formula)), co_safe(normalize(formula))
     (False, True)
     """

@@ -171,7 +171,7 @@ class _Tabulation:
         self.bounds(())
         driver_locations, driver_edges = self.driver(network.map)
         component_start = [0, network.map.location_count + 1]
-        location_rows: list[tuple[int, int, int, int, int, int, int]] = []
+        location_rows: list[tuple[int, ...]] = []
         kinds = {kind: _EdgeColumns() for kind in KINDS}
         acceptance = 0
         for transducer in network.transducers:
@@ -283,14 +283,15 @@ class _Tabulation:
         self,
         transducer: Transducer,
         first: int,
-        location_rows: list[tuple[int, int, int, int, int, int, int]],
+        location_rows: list[tuple[int, ...]],
         kinds: Mapping[str, _EdgeColumns],
         mark: int,
     ) -> None:
         number = {location.name: first + index for index, location in enumerate(transducer.locations)}
         constants = self.constants(transducer)
         for location in transducer.locations:
-            location_rows.append(self.location(location, constants[location.name]))
+            relief = number[location.relief] if location.relief else UNBOUNDED
+            location_rows.append((*self.location(location, constants[location.name]), relief))
         every = {"move": transducer.edges, "ending": transducer.endings, "parking": transducer.parkings}
         for kind, edges in every.items():
             column = kinds[kind]
@@ -388,9 +389,9 @@ class _Tabulation:
         self,
         columns: dict[str, Any],
         driver: Mapping[str, NDArray[Any]],
-        rows: Sequence[tuple[int, int, int, int, int, int, int]],
+        rows: Sequence[tuple[int, ...]],
     ) -> None:
-        names = ("invariant", "bounds", "emits", "restless", "target", "deadline_clock", "deadline")
+        names = ("invariant", "bounds", "emits", "restless", "target", "deadline_clock", "deadline", "relief")
         count = len(driver["emits"])
         own = np.array(rows, dtype=np.int64).reshape(-1, len(names))
         columns["location_still"] = np.append(driver["still"], np.zeros(len(own))).astype(np.int32)

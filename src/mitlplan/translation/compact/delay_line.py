@@ -100,7 +100,7 @@ def smoother(name: str, claim: Claim, parked: Demand) -> Transducer:
 
     return Transducer(
         name,
-        (Location(LOW), Location(HIGH), Location(FILLING)),
+        (Location(LOW), Location(HIGH, relief=LOW), Location(FILLING, relief=LOW)),
         made(edges()),
         made(endings()),
         made(parkings()),
@@ -227,7 +227,7 @@ def recorder(
         invariant: Guard = ()
         if source != REPLAYING:
             invariant = (Constraint(clock, Relation.AT_MOST, delay),)
-        locations.append(Location(source, invariant, restless=Restless.ALWAYS))
+        locations.append(Location(source, invariant, restless=Restless.ALWAYS, relief=EMPTY))
 
     def parkings() -> Iterator[Edge | None]:
         yield edge(EMPTY, EMPTY)

@@ -131,8 +131,8 @@ def until_once(
         name,
         (
             Location(IDLE),
-            Location(PENDING, not_late, operands.target, deadline, restless),
             Location(DONE),
+            Location(PENDING, not_late, operands.target, deadline, restless, relief=DONE),
         ),
         made(edges()),
         made(endings()),
@@ -246,9 +246,9 @@ def release_once(
         name,
         (
             Location(IDLE),
-            Location(FREE, before, restless=restless),
-            Location(HELD, restless=restless),
             Location(DONE),
+            Location(FREE, before, restless=restless, relief=DONE),
+            Location(HELD, restless=restless, relief=DONE),
         ),
         made(edges()),
         made(endings()),

@@ -60,6 +60,13 @@ class Window:
         """The locations that remember the claim that decides."""
         return (ATTAINED, LIMIT) if self.bounded else (ATTAINED,)
 
+    def reliefs(self) -> Iterator[tuple[str, str]]:
+        """The measuring locations, each behind the one that owes less: a limit owes less than an instant."""
+        relief = IDLE
+        for location in reversed(self.measured):
+            yield location, relief
+            relief = location
+
     def begin(self, location: str) -> tuple[str, frozenset[str]]:
         """The location that remembers a new claim, and what it resets."""
         if self.bounded:
@@ -193,8 +200,8 @@ def until_repeated(
     if interval.upper is not None:
         deadline = Constraint(window.clock, Relation.AT_MOST, interval.upper)
     waiting_locations = (
-        Location(location, window.up_to_bound(), operands.target, deadline, restless)
-        for location in window.measured
+        Location(location, window.up_to_bound(), operands.target, deadline, restless, relief)
+        for location, relief in window.reliefs()
     )
     return Transducer(
         name,
@@ -318,7 +325,15 @@ def release_repeated(
     restless = Restless.ALWAYS if undecided and (window.bounded or not left.impossible) else Restless.NEVER
     return Transducer(
         name,
-        (Location(IDLE), *(Location(source, restless=restless) for source in (GOING, *measured))),
+        (
+            Location(IDLE),
+            Location(GOING, restless=restless, relief=IDLE),
+            *(
+                Location(location, restless=restless, relief=relief)
+                for location, relief in window.reliefs()
+                if location in measured
+            ),
+        ),
         made(edges()),
         made(endings()),
         made(parkings()),
