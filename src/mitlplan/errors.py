@@ -92,3 +92,19 @@ class TranslationError(MitlplanError):
 
 class TrajectoryError(MitlplanError):
     """A plan that the robot cannot drive: the message names the cell and the limit."""
+
+
+class ModelError(MitlplanError):
+    """A model of another tool that cannot be read; the message begins with file, line and element."""
+
+    def __init__(self, problem: str, *, file: str = "", line: int | None = None, element: str = "") -> None:
+        self.problem = problem
+        self.file = file
+        self.line = line
+        self.element = element
+        place = ":".join(str(part) for part in (file, line) if part not in ("", None))
+        super().__init__(": ".join(part for part in (place, element, problem) if part))
+
+
+class ToolError(MitlplanError):
+    """Another tool that is not there, or did not answer as expected; the message says how to get it."""
