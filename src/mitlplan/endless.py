@@ -35,6 +35,9 @@ from mitlplan.workspace.workspace import Workspace
 LASSOS = 200
 """How many lassos of the zone graph are timed and put to the judge."""
 
+FEW_CELLS = 64
+"""On maps of up to so many cells walks are tried before the zone graph is explored."""
+
 WALKS = 4_000
 """How many walks are looked at before the best loop known is taken."""
 
@@ -265,25 +268,38 @@ def fastest_loop(question: Question, to_beat: Fraction | None, limits: Limits) -
     if to_beat is not None and bound >= to_beat:
         return Loops(bound=bound, states=states)
     known = Loops(bound=bound, states=states)
+    given = _stays_are_given(question.workspace)
+    if to_beat is None and question.workspace.cell_count <= FEW_CELLS:
+        # On a small map the first loop that passes the judge is found long before the zone graph is complete.
+        tried = _walks(question, above=bound, below=None)
+        if tried.loop is not None:
+            reached = tried.loop.makespan if given else bound
+            return Loops(tried.loop, reached, exists=True, states=states)
+        if tried.complete_up_to is None and given:
+            return Loops(exists=False, states=states)
     if to_beat is None:
         known = any_loop(question, limits)
         known = replace(known, bound=max(bound, known.bound), states=known.states + states)
         if known.loop is None:
             return known
         to_beat = known.loop.makespan
-    walks = fastest_walk(
+    walks = _walks(question, above=bound, below=to_beat)
+    reached = to_beat if walks.complete_up_to is None else walks.complete_up_to
+    if not given:
+        reached = bound
+    return replace(known, loop=walks.loop or known.loop, bound=max(bound, min(reached, to_beat)))
+
+
+def _walks(question: Question, *, above: Fraction, below: Fraction | None) -> Walks:
+    return fastest_walk(
         question.workspace,
         question.starts[0],
         question.formulas,
         until=question.until,
         tick=_tick(question),
-        above=bound,
-        below=to_beat,
+        above=above,
+        below=below,
     )
-    reached = to_beat if walks.complete_up_to is None else walks.complete_up_to
-    if not _stays_are_given(question.workspace):
-        reached = bound
-    return replace(known, loop=walks.loop or known.loop, bound=max(bound, min(reached, to_beat)))
 
 
 def any_loop(question: Question, limits: Limits) -> Loops:
