@@ -24,6 +24,7 @@ from mitlplan.workspace.motion import Rectangle
 Array: TypeAlias = NDArray[np.float64]
 
 _MOST_SAMPLES = 20_000_000
+_ROUNDING = 1e-14
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,7 +157,9 @@ class Trajectory:
         """The trajectory at `times`, in seconds, ascending and none negative."""
         inner, turned = self._wrapped(np.asarray(times, dtype=np.float64))
         begins = np.array([float(piece.begin) for piece in self.pieces])
-        number = np.maximum(np.searchsorted(begins, inner, side="right") - 1, 0)
+        # A time of a later round is rounded when it is brought back; what then falls on a border is beyond it.
+        rounding = np.where(inner < times, _ROUNDING * (1 + np.abs(times)), 0.0)
+        number = np.maximum(np.searchsorted(begins, inner + rounding, side="right") - 1, 0)
         durations = np.array([float(piece.duration) for piece in self.pieces])[number]
         course = self._course(number, np.clip((inner - begins[number]) / durations, 0.0, 1.0))
         pace = 1 / durations
