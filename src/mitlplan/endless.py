@@ -18,6 +18,8 @@ from heapq import heappop, heappush
 from itertools import islice
 from typing import Literal as Choice
 
+import numpy as np
+
 from mitlplan.automata.transducer import Constraint, Edge, Location, Relation, Transducer
 from mitlplan.compose import compose
 from mitlplan.logic.core import Core
@@ -28,6 +30,7 @@ from mitlplan.search.fastest import Exhausted, Found, Limits, Stopped, fastest_r
 from mitlplan.search.lasso import Lasso, Timetable, lassos, timetable
 from mitlplan.search.schedule import STANDS_STILL
 from mitlplan.search.tables import Tables, tabulate
+from mitlplan.tour import shortest_tour
 from mitlplan.translation.compact.relax import relax
 from mitlplan.workspace.compress import Compressed, compress, look_alike
 from mitlplan.workspace.workspace import Workspace
@@ -146,7 +149,7 @@ def fastest_walk(
     tick
         Where the length of a stay is free, it is tried in steps of this, in seconds.
     above, below
-        Loops that end their first round by `above`, or not before `below`, are of no interest, in seconds.
+        Loops whose first round ends before `above`, or not before `below`, are of no interest, in seconds.
     """
     violated: Formula = Not(And(tuple(formulas))) if len(formulas) > 1 else Not(formulas[0])
     queue = [_Arrival(Fraction(0), 0, 0, start, None)]
@@ -167,7 +170,7 @@ def fastest_walk(
         looked_at += 1
         if looked_at > WALKS:
             return Walks(None, at.time)
-        if at.time > above:
+        if at.time >= above:
             for loop in _closings(at):
                 signal = signal_of_round(workspace, loop)
                 looked_at += 1
@@ -264,30 +267,40 @@ def fastest_loop(question: Question, to_beat: Fraction | None, limits: Limits) -
         case Stopped(reason, bound, states):
             return Loops(bound=bound or Fraction(0), reason=reason, states=states)
         case Found(_, bound, _, states):
-            pass
+            # The robot has still to stay in the cell in which it has shown everything.
+            bound += _shortest_stay(question.workspace)
     if to_beat is not None and bound >= to_beat:
         return Loops(bound=bound, states=states)
-    known = Loops(bound=bound, states=states)
+    known = _loop_of_tour(question, limits)
+    known = replace(known, bound=max(bound, known.bound), states=known.states + states)
+    if known.exists is False:
+        return known
+    if to_beat is not None and (known.loop is None or known.loop.makespan >= to_beat):
+        known = replace(known, loop=None)
+    elif known.loop is not None:
+        to_beat = known.loop.makespan
+    if to_beat is not None and known.bound >= to_beat:
+        return known
     given = _stays_are_given(question.workspace)
     if to_beat is None and question.workspace.cell_count <= FEW_CELLS:
         # On a small map the first loop that passes the judge is found long before the zone graph is complete.
-        tried = _walks(question, above=bound, below=None)
+        tried = _walks(question, above=known.bound, below=None)
         if tried.loop is not None:
-            reached = tried.loop.makespan if given else bound
-            return Loops(tried.loop, reached, exists=True, states=states)
+            reached = tried.loop.makespan if given else known.bound
+            return replace(known, loop=tried.loop, bound=reached, exists=True)
         if tried.complete_up_to is None and given:
-            return Loops(exists=False, states=states)
+            return replace(known, exists=False)
     if to_beat is None:
-        known = any_loop(question, limits)
-        known = replace(known, bound=max(bound, known.bound), states=known.states + states)
+        found = _loop_of_zone_graph(question, limits)
+        known = replace(found, bound=max(known.bound, found.bound), states=known.states + found.states)
         if known.loop is None:
             return known
         to_beat = known.loop.makespan
-    walks = _walks(question, above=bound, below=to_beat)
+    walks = _walks(question, above=known.bound, below=to_beat)
     reached = to_beat if walks.complete_up_to is None else walks.complete_up_to
     if not given:
-        reached = bound
-    return replace(known, loop=walks.loop or known.loop, bound=max(bound, min(reached, to_beat)))
+        reached = known.bound
+    return replace(known, loop=walks.loop or known.loop, bound=max(known.bound, min(reached, to_beat)))
 
 
 def _walks(question: Question, *, above: Fraction, below: Fraction | None) -> Walks:
@@ -303,7 +316,28 @@ def _walks(question: Question, *, above: Fraction, below: Fraction | None) -> Wa
 
 
 def any_loop(question: Question, limits: Limits) -> Loops:
-    """A loop from the zone graph, the best of some, or a proof that there is none."""
+    """A loop, or a proof that there is none."""
+    known = _loop_of_tour(question, limits)
+    if known.loop is not None or known.exists is False:
+        return known
+    found = _loop_of_zone_graph(question, limits)
+    return replace(found, bound=max(known.bound, found.bound), states=known.states + found.states)
+
+
+def _loop_of_tour(question: Question, limits: Limits) -> Loops:
+    """The quickest loop along a tour that passes the judge."""
+    tour = shortest_tour(question.workspace, question.starts, question.core, limits)
+    loops = (
+        fold([Stay(*stay) for stay in prefix], [Stay(*stay) for stay in cycle])
+        for prefix, cycle in tour.loops
+    )
+    loop = next(filter(question.satisfied_by, loops), None)
+    exists = tour.possible and (True if loop else None)
+    return Loops(loop, tour.bound, exists, states=tour.states)
+
+
+def _loop_of_zone_graph(question: Question, limits: Limits) -> Loops:
+    """The best of some loops of the zone graph, or a proof that it has none."""
     network = compose(question.workspace, question.starts, question.core)
     classes = look_alike(question.workspace, network.predicates.values())
     small = compress(question.workspace, classes, question.starts)
@@ -377,6 +411,11 @@ def _tick(question: Question) -> Fraction:
     """The resolution at which stays of free length are tried, in seconds."""
     scale = tabulate(compose(question.workspace, question.starts, question.core)).scale
     return Fraction(1, scale)
+
+
+def _shortest_stay(workspace: Workspace) -> Fraction:
+    """No stay is shorter, in seconds."""
+    return min((workspace.durations[index] for index in np.unique(workspace.least)), default=Fraction(0))
 
 
 def _stays_are_given(workspace: Workspace) -> bool:
