@@ -30,6 +30,7 @@ from tests.mission_strategies import (
 )
 from tests.oracles.path_checker import fault_in_path
 from tests.oracles.progression import Cycle, TooLargeError, co_safe, need_of
+from tests.oracles.rtamt_voice import monitored, reach, speaks_of
 from tests.oracles.tick_planner import (
     Answer,
     Least,
@@ -270,3 +271,24 @@ def test_a_time_between_ticks_is_refused() -> None:
         least_by_progression(workspace, 0, parse("F A"), bound=1)
     with pytest.raises(ValueError, match="no whole number of ticks"):
         need_of(parse("F[0,1/2] A"))
+
+
+# --- A foreign voice ---------------------------------------------------------------------------------------
+
+
+def test_rtamt_agrees_with_the_judge_and_the_cycles() -> None:
+    stream = random.Random(11)
+    heard = 0
+    while heard < 400:
+        until = "closed" if stream.random() < 0.4 else "standard"
+        formula = draw_formula(SeededChoices(stream), ("A", "B"), open_ends=False, until=until)
+        if not speaks_of(formula, until):
+            continue
+        heard += 1
+        labels = random_labels(stream, stream.randrange(1, 6))
+        segments = tuple(Segment(Fraction(tick), label) for tick, label in enumerate(labels))
+        signal = Signal(segments, Fraction(len(labels)), repeat_from=Fraction(0))
+        samples = [labels[tick % len(labels)] for tick in range(reach(formula) + 2)]
+        expected = monitored(formula, samples, ("A", "B"), until)
+        assert satisfies(formula, signal, until=until) == expected, (text_of(formula), labels, until)
+        assert bool(Cycle(labels).truth(need_of(formula, until=until)) & 1) == expected
