@@ -2,8 +2,8 @@
 
     mission -> core formula -> transducers -> network -> tables -> run -> timed path -> plan -> check
 
-:func:`plan` composes these arrows; each can be used alone. The same line, on a workspace in which anything may
-happen at any time, decides whether a formula is satisfiable.
+:func:`plan` composes these arrows; each can be used alone. The same line, on a workspace in which anything
+may happen at any time, decides whether a formula is satisfiable.
 """
 
 from __future__ import annotations
@@ -42,6 +42,7 @@ from mitlplan.plan import Infeasible, LimitReached, Loop, Outcome, Plan, Statist
 from mitlplan.search.fastest import Exhausted, Found, Limits, Progress, Stopped, fastest_run
 from mitlplan.search.schedule import STANDS_STILL, schedule
 from mitlplan.search.tables import Tables, tabulate
+from mitlplan.translation.compact.relax import can_end, parked_label
 from mitlplan.translation.compact.translate import translate
 from mitlplan.workspace.universal import universal
 
@@ -171,8 +172,13 @@ class _Planning:
         endless = self.horizon == "infinite" and not all(
             co_safe(negation_normal_form(formula, question.until)) for formula in question.formulas
         )
+        # Where no run can end or park, only loops need to be sought.
+        endings = not endless or can_end(question.core)
+        parkings = endless and self.can_park()
         with self.stage("search"):
-            result = fastest_run(tables, self.limits, parkings=endless)
+            result: Found | Exhausted | Stopped = Exhausted(0)
+            if endings or parkings:
+                result = fastest_run(tables, self.limits, endings=endings, parkings=parkings)
         self.states += result.states
         match result:
             case Stopped(reason, reached):
@@ -199,6 +205,12 @@ class _Planning:
         if loops.exists is False:
             return self.infeasible()
         return LimitReached(loops.reason, loops.bound, self.statistics())
+
+    def can_park(self) -> bool:
+        """Whether some label allows the robot to stay for ever; ``False`` is certain."""
+        workspace = self.question.workspace
+        wanted = parked_label(self.question.core)
+        return workspace.waiting and any(holds(wanted, label) for label in workspace.label_sets)
 
     def infeasible(self) -> Infeasible:
         reason = "every run of the robot on this map violates the mission"
@@ -280,7 +292,7 @@ def _conflict(mission: Mission, limits: Limits) -> tuple[str, ...]:
     return tuple(requirement.name for requirement in kept)
 
 
-# ------------------------------------------------------------------------------------------- decisions on formulas
+# ------------------------------------------------------------------------------------ decisions on formulas
 
 
 def satisfiable(
@@ -356,7 +368,10 @@ def valid(
     memory_limit: int | None = None,
     progress: Report | None = None,
 ) -> Answer:
-    """Whether every signal satisfies a formula; the answer speaks of the negation, a signal being a counter-example."""
+    """Whether every signal satisfies a formula.
+
+    The answer speaks of the negation: a signal is a counter-example.
+    """
     return satisfiable(
         Not(formula), until=until, time_limit=time_limit, memory_limit=memory_limit, progress=progress
     )

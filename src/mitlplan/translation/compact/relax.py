@@ -1,8 +1,9 @@
 """What a loop must have shown by the end of its first round.
 
-A loop shows nothing later that it has not shown in the prefix or the first round. So if it satisfies f, its first
-``prefix + cycle`` seconds satisfy a relaxation of f in which every bound is dropped and "again and again" is "once", read
-as a mission that ends there. The least makespan of the relaxation bounds that of every loop from below.
+A loop shows nothing later that it has not shown in the prefix or the first round. So if it satisfies f, its
+first ``prefix + cycle`` seconds satisfy a relaxation of f in which every bound is dropped and "again and
+again" is "once", read as a mission that ends there. The least makespan of the relaxation bounds that of
+every loop from below.
 """
 
 from __future__ import annotations
@@ -25,11 +26,11 @@ from mitlplan.logic.core import (
     release,
     until,
 )
-from mitlplan.translation.compact.translate import necessary_label
+from mitlplan.translation.compact.translate import constant_value, necessary_label
 
 
 def relax(core: Core) -> Core:
-    """A formula that the prefix and first round of a loop satisfy, at the latest, if the loop satisfies `core`.
+    """A formula that a loop satisfies by the end of its first round, if for ever it satisfies `core`.
 
     To be read with ``horizon: finite``.
     """
@@ -41,13 +42,39 @@ def relax(core: Core) -> Core:
         case Disjunction(operands):
             return disjunction(*map(relax, operands))
         case CoreUntil(left, right, _):
-            # The first instant at which the right label is seen comes no later, and the left side held until then.
+            # The right label is first seen no later, and the left side held until then.
             return conjunction(until(necessary_label(left), necessary_label(right)), _shown(right))
         case CoreRelease(left, right, interval) if left == FALSE and interval.unrestricted:
             return conjunction(always(necessary_label(right)), _throughout(right))
         case CoreRelease(left, right, interval) if interval.unrestricted:
             return release(necessary_label(left), necessary_label(right))
         case CoreRelease():
+            return TRUE
+
+
+def can_end(core: Core) -> bool:
+    """Whether a finite plan may satisfy `core` whatever follows; ``False`` is certain."""
+    match core:
+        case Conjunction(operands):
+            return all(map(can_end, operands))
+        case Disjunction(operands):
+            return any(map(can_end, operands))
+        case CoreRelease(left, _, interval):
+            return left != FALSE or interval.upper is not None
+        case _:
+            return True
+
+
+def parked_label(core: Core) -> Core:
+    """A propositional formula that holds wherever the robot may stay for ever, if `core` is to hold at time 0."""
+    match core:
+        case Conjunction(operands):
+            return conjunction(*map(parked_label, operands))
+        case Disjunction(operands):
+            return disjunction(*map(parked_label, operands))
+        case CoreRelease(left, right, interval) if left == FALSE and interval.upper is None:
+            return constant_value(right)
+        case _:
             return TRUE
 
 
