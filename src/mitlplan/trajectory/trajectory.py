@@ -157,7 +157,7 @@ class Trajectory:
         """The trajectory at `times`, in seconds, ascending and none negative."""
         inner, turned = self._wrapped(np.asarray(times, dtype=np.float64))
         begins = np.array([float(piece.begin) for piece in self.pieces])
-        # A time of a later round is rounded when it is brought back; what then falls on a border is beyond it.
+        # A time of a later round is rounded when it is brought back; what then falls on a border is past it.
         rounding = np.where(inner < times, _ROUNDING * (1 + np.abs(times)), 0.0)
         number = np.maximum(np.searchsorted(begins, inner + rounding, side="right") - 1, 0)
         durations = np.array([float(piece.duration) for piece in self.pieces])[number]
