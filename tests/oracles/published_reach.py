@@ -37,7 +37,9 @@ class Reached:
     trace: tuple[tuple[Fraction, Move], ...]
 
 
-def reach(network: Network, query: Query, *, resolution: int = 1, latest: Fraction = Fraction(100)) -> Reached | None:
+def reach(
+    network: Network, query: Query, *, resolution: int = 1, latest: Fraction = Fraction(100)
+) -> Reached | None:
     """The fastest way to a target on the grid, or ``None`` if there is none up to `latest`."""
     runner = _Runner(network, resolution)
     return runner.search(query, int(latest * resolution))
@@ -52,7 +54,10 @@ class _Runner:
         self.bounds = {variable.name: (variable.least, variable.most) for variable in network.variables}
         self.broadcasts = {channel.name for channel in network.channels if channel.broadcast}
         self.leaving = [
-            [[index for index, edge in enumerate(each.edges) if edge.source == at] for at in range(len(each.locations))]
+            [
+                [index for index, edge in enumerate(each.edges) if edge.source == at]
+                for at in range(len(each.locations))
+            ]
             for each in network.automata
         ]
         guards = [location.invariant for each in network.automata for location in each.locations]
@@ -83,7 +88,9 @@ class _Runner:
             now, later = later, deque()
         return None
 
-    def traced(self, before: Mapping[State, tuple[State, int, Move] | None], state: State, time: int) -> Reached:
+    def traced(
+        self, before: Mapping[State, tuple[State, int, Move] | None], state: State, time: int
+    ) -> Reached:
         trace = []
         step = before[state]
         while step is not None:
@@ -99,7 +106,11 @@ class _Runner:
             for each, at in zip(self.network.automata, state.locations, strict=True)
         )
         values = dict(zip(self.variable, state.values, strict=True))
-        return located and self.satisfied(target.guard, state.ages) and all(holds(test, values) for test in target.tests)
+        return (
+            located
+            and self.satisfied(target.guard, state.ages)
+            and all(holds(test, values) for test in target.tests)
+        )
 
     def satisfied(self, guard: Guard, ages: tuple[int, ...]) -> bool:
         return all(self.compared(ages[self.clock[each.clock]], each.relation, each.bound) for each in guard)
@@ -117,12 +128,15 @@ class _Runner:
                 return age > other
 
     def delayed(self, state: State) -> State | None:
-        located = [each.locations[at] for each, at in zip(self.network.automata, state.locations, strict=True)]
+        located = [
+            each.locations[at] for each, at in zip(self.network.automata, state.locations, strict=True)
+        ]
         if any(location.urgency is not Urgency.NORMAL for location in located):
             return None
         stopped = frozenset[str]().union(*(location.stopped for location in located))
         ages = tuple(
-            age if name in stopped else min(age + 1, self.oldest) for name, age in zip(self.clock, state.ages, strict=True)
+            age if name in stopped else min(age + 1, self.oldest)
+            for name, age in zip(self.clock, state.ages, strict=True)
         )
         if not all(self.satisfied(location.invariant, ages) for location in located):
             return None
@@ -183,5 +197,7 @@ class _Runner:
         if any(not low <= values[name] <= high for name, (low, high) in self.bounds.items()):
             return None
         after = State(tuple(locations), tuple(ages), tuple(values.values()))
-        located = [each.locations[at] for each, at in zip(self.network.automata, after.locations, strict=True)]
+        located = [
+            each.locations[at] for each, at in zip(self.network.automata, after.locations, strict=True)
+        ]
         return after if all(self.satisfied(location.invariant, after.ages) for location in located) else None

@@ -244,9 +244,7 @@ def _widened(reads: frozenset[Letter], names: tuple[str, ...], inputs: tuple[str
     return _agreed([(names, reads), *anything], inputs)
 
 
-def _joined(
-    parent: Iota, children: Sequence[Iota], part: Parts, reads: frozenset[Letter]
-) -> IotaLocation:
+def _joined(parent: Iota, children: Sequence[Iota], part: Parts, reads: frozenset[Letter]) -> IotaLocation:
     own = parent.locations[part[0]]
     theirs = [child.locations[index] for child, index in zip(children, part[1:], strict=True)]
     names = [location.name for location in theirs]
@@ -261,9 +259,7 @@ def _joined(
     )
 
 
-def _composed_edges(
-    automata: Sequence[Iota], parts: Sequence[Parts], multiplied: int
-) -> Iterator[IotaEdge]:
+def _composed_edges(automata: Sequence[Iota], parts: Sequence[Parts], multiplied: int) -> Iterator[IotaEdge]:
     index_of = {part: index for index, part in enumerate(parts)}
     leaving = [_edges_by_source(automaton) for automaton in automata]
     for source, part in enumerate(parts[:multiplied]):

@@ -136,9 +136,7 @@ def _integers(variables: Sequence[BoundedInteger]) -> list[str]:
         plain = [each for each in same if each.initial == 0 and least <= 0 <= most]
         if plain:
             lines.append(f"int[{least},{most}] {', '.join(_grouped([each.name for each in plain]))};")
-        lines += [
-            f"int[{least},{most}] {each.name} = {each.initial};" for each in same if each not in plain
-        ]
+        lines += [f"int[{least},{most}] {each.name} = {each.initial};" for each in same if each not in plain]
     return lines
 
 

@@ -88,7 +88,10 @@ def test_the_program_differs_from_the_paper_in_three_details() -> None:
 
     changed = _constants(paper.checkers[0]) ^ _constants(program.checkers[0])
     assert {(name, str(constraint)) for name, constraint in changed} == {
-        ("CHK_3", "z[5]<2"), ("CHK_3", "z[5]<=2"), ("CHK_6", "z[5]<2"), ("CHK_6", "z[5]<=2"),
+        ("CHK_3", "z[5]<2"),
+        ("CHK_3", "z[5]<=2"),
+        ("CHK_6", "z[5]<2"),
+        ("CHK_6", "z[5]<=2"),
     }
     forgotten = [
         (one.resets - other.resets)
@@ -105,10 +108,7 @@ def test_the_program_differs_from_the_paper_in_three_details() -> None:
 def test_one_edge_waits_for_the_rise_and_one_for_the_fall() -> None:
     (checker,) = published_automaton(parse("F[2,4] A")).checkers
     at_least = {
-        str(bound)
-        for edge in checker.edges
-        for bound in edge.guard
-        if bound.relation is Relation.AT_LEAST
+        str(bound) for edge in checker.edges for bound in edge.guard if bound.relation is Relation.AT_LEAST
     }
     assert at_least == {"z[2]>=4", "z[4]>=4", "z[6]>=4", "z[1]>=2", "z[3]>=2", "z[5]>=2", "z[2]>=2"}
 

@@ -119,9 +119,7 @@ class _Delay:
         self._number = {state: index for index, state in enumerate(self._states)}
 
     def build(self) -> Iota:
-        started = frozenset(
-            self._number[state] for state in self._states if state[0] and state[2] == 0
-        )
+        started = frozenset(self._number[state] for state in self._states if state[0] and state[2] == 0)
         return Iota(
             inputs=("q",),
             locations=tuple(self._location(*state) for state in self._states),

@@ -215,8 +215,7 @@ def _earliest(main: Iota, begin: int) -> str:
 def _begins(checkers: Sequence[Iota], part: Sequence[int], guess: _Guess) -> bool:
     """Whether every checker is in the start that belongs to the guess: CHK01 where it is true first."""
     return all(
-        at in checker.initial
-        and checker.locations[at].name.endswith("CHK01" if first else "CHK00")
+        at in checker.initial and checker.locations[at].name.endswith("CHK01" if first else "CHK00")
         for checker, at, first in zip(checkers, part, guess, strict=True)
     )
 

@@ -134,7 +134,6 @@ class TimedEventually:
         """The number m of edge pairs that are remembered."""
         return len(self.rising)
 
-
     @property
     def all(self) -> tuple[str, ...]:
         """Every clock: x_1, y_1, ..., x_m, y_m, z."""

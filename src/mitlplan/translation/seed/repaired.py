@@ -39,6 +39,7 @@ from mitlplan.translation.seed.two_sided import DelayClocks, Value
 MOST_PAIRS = 64
 """Longer delays are refused: each pair of outstanding edges has two clocks."""
 
+
 def translate(core: Core, *, until_the_end: bool = False) -> Obligations:
     """The transducers that together guarantee `core` at time 0.
 
