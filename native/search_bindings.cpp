@@ -19,6 +19,9 @@ namespace {
 template <typename Entry>
 using Column = nb::ndarray<const Entry, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
+// By name: integers, and arrays of them.
+using NamedTables = nb::typed<nb::dict, nb::str, nb::object>;
+
 template <typename Entry>
 std::vector<Entry> column(const nb::dict& tables, const char* name) {
     if (!tables.contains(name)) throw nb::value_error((std::string("the tables lack ") + name).c_str());
@@ -92,13 +95,14 @@ std::vector<Location> read_locations(const nb::dict& from) {
     const auto clocks = column<Index>(from, "location_deadline_clock");
     const auto deadlines = column<Ticks>(from, "location_deadline");
     const auto reliefs = column<Index>(from, "location_relief");
-    for (const std::size_t size :
-         {stills.size(), bounds.size(), emits.size(), restless.size(), targets.size(), clocks.size(), deadlines.size(), reliefs.size()})
+    for (const std::size_t size : {stills.size(), bounds.size(), emits.size(), restless.size(), targets.size(),
+                                   clocks.size(), deadlines.size(), reliefs.size()})
         same_length(size, invariants.size());
     std::vector<Location> locations;
     locations.reserve(invariants.size());
     for (std::size_t k = 0; k < invariants.size(); ++k)
-        locations.push_back({invariants[k], stills[k], bounds[k], emits[k], restless[k], targets[k], clocks[k], deadlines[k], reliefs[k]});
+        locations.push_back({invariants[k], stills[k], bounds[k], emits[k], restless[k], targets[k], clocks[k],
+                             deadlines[k], reliefs[k]});
     return locations;
 }
 
@@ -159,7 +163,7 @@ void bind_search(nb::module_& module) {
     nb::class_<Search>(module, "Search", "Best-first search over the zone graph of a network given as tables.")
         .def(
             "__init__",
-            [](Search* self, const nb::dict& tables, bool record, bool endings, bool parkings, Ticks horizon,
+            [](Search* self, const NamedTables& tables, bool record, bool endings, bool parkings, Ticks horizon,
                std::size_t memory) {
                 Options options;
                 options.record = record;

@@ -1,0 +1,1 @@
+"""Timed automata and the networks they make; nothing here knows of formulas."""

@@ -2,11 +2,11 @@
 
 A *step* happens at an instant: every component takes one edge, then all clocks run for a positive time, the
 *open phase*, until the next step. Components talk through boolean signals. The driver (the map) emits the
-predicates of the cell it is in; each transducer reads signals (``requires``, ``excludes``) and emits others, which
-only components behind it in the order read. A signal of the form ``n.point`` is a claim about the instant of the step,
-``n.open`` one about the open phase after it: this is how open and closed bounds are honoured exactly
-(Maler, Nickovic and Pnueli 2006 keep to one value a phase; single instants are then lost).
-Every edge of a transducer is an input/output edge of an IOTA; the composition is never built.
+predicates of the cell it is in; each transducer reads signals (``requires``, ``excludes``) and emits
+others, which only components behind it in the order read. A signal of the form ``n.point`` is a claim about
+the instant of the step, ``n.open`` one about the open phase after it: this is how open and closed bounds
+are honoured exactly (Maler, Nickovic and Pnueli 2006 keep to one value a phase; single instants are then
+lost). Every edge of a transducer is an input/output edge of an IOTA; the composition is never built.
 """
 
 from __future__ import annotations

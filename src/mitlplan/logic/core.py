@@ -127,7 +127,7 @@ def disjunction(*operands: Core) -> Core:
 
 
 def _junction(
-    kind: type[Conjunction] | type[Disjunction],
+    kind: type[Conjunction | Disjunction],
     operands: tuple[Core, ...],
     *,
     unit: Truth,
@@ -142,9 +142,7 @@ def _junction(
                 continue
             case _:
                 flat[operand] = None
-    if absorbing in flat or any(
-        isinstance(operand, Literal) and negate(operand) in flat for operand in flat
-    ):
+    if absorbing in flat or any(isinstance(operand, Literal) and negate(operand) in flat for operand in flat):
         return absorbing
     if not flat:
         return unit

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +43,7 @@ class Signal:
         starts = [segment.start for segment in self.segments]
         if not starts or starts[0] != 0:
             raise ValueError("a signal starts at time 0")
-        if any(later <= earlier for earlier, later in zip(starts, starts[1:])):
+        if any(later <= earlier for earlier, later in pairwise(starts)):
             raise ValueError("the segments of a signal are in order of time")
         if self.repeat_from is None:
             if self.end < starts[-1]:

@@ -1,0 +1,1 @@
+"""From a network to its fastest run: the border to the native half, loops, exact times."""

@@ -1,7 +1,7 @@
 """The fastest run: the native search, driven from Python.
 
-The native search works for a fraction of a second at a time and comes back, so that Ctrl-C, progress and limits of
-time need no callback inside its loop.
+The native search works for a fraction of a second at a time and comes back, so that Ctrl-C, progress and
+limits of time need no callback inside its loop.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def fastest_run(
     Parameters
     ----------
     endings, parkings
-        Which steps are goals: those after which nothing is owed, those after which the robot may stay for ever.
+        Which steps are goals: after which nothing is owed, and after which the robot may stay for ever.
     horizon
         Goals later than this, in seconds, are of no interest.
     """

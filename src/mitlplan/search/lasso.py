@@ -1,11 +1,12 @@
 """Loops: runs that go on for ever, with exactly periodic times.
 
-The zone graph without the time of the mission is finite, and an infinite run through its extrapolation exists if and only
-if one exists in the network (Li 2009: LU-abstractions preserve Büchi acceptance; inclusion would not, so zones are told
-apart by equality). A strongly connected part in which the robot moves and every Büchi set is visited yields loops;
-if there is none there is no loop at all. A loop in the graph is not yet a timetable: its delays have to repeat, which
-is a linear program in the times of one round and the period. Every round after the second obeys the same constraints
-as the second, because whatever is read was reset at most one round before, or only grows older.
+The zone graph without the time of the mission is finite, and an infinite run through its extrapolation
+exists if and only if one exists in the network (Li 2009: LU-abstractions preserve Büchi acceptance;
+inclusion would not, so zones are told apart by equality). A strongly connected part in which the robot
+moves and every Büchi set is visited yields loops; if there is none there is no loop at all. A loop in the
+graph is not yet a timetable: its delays have to repeat, which is a linear program in the times of one round
+and the period. Every round after the second obeys the same constraints as the second, because whatever is
+read was reset at most one round before, or only grows older.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ class Timetable:
 
 
 def lassos(tables: Tables, limits: Limits) -> Iterator[Lasso] | Exhausted | Stopped:
-    """Loops of the network, the shortest of each strongly connected part first, or a proof that there is none.
+    """Loops of the network, the shortest of each strongly connected part first, or a proof of none.
 
     Parameters
     ----------
@@ -92,7 +93,8 @@ class _Graph:
         least = np.zeros(len(start) - 1, dtype=np.int64)
         for guard in range(len(start) - 1):
             for entry in range(start[guard], start[guard + 1]):
-                if arrays["guard_clock"][entry] == arrays["driver_clock"] and not arrays["guard_upper"][entry]:
+                asks_driver = arrays["guard_clock"][entry] == arrays["driver_clock"]
+                if asks_driver and not arrays["guard_upper"][entry]:
                     least[guard] = arrays["guard_value"][entry]
         taken = np.where(edges < 0, 0, least[arrays["move_guard"][edges]])
         wanted = sum(1 << number for number in range(tables.acceptance + 1))
@@ -109,7 +111,8 @@ class _Graph:
     def accepting_parts(self) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp]]]:
         """The strongly connected parts in which every mark is met: their states and their inner steps."""
         count = self.search.stored
-        adjacency = csr_array((np.ones(len(self.source), dtype=np.int8), (self.source, self.target)), (count, count))
+        ones = np.ones(len(self.source), dtype=np.int8)
+        adjacency = csr_array((ones, (self.source, self.target)), (count, count))
         _, part = connected_components(adjacency, connection="strong")
         inner = np.flatnonzero(part[self.source] == part[self.target])
         order = inner[np.argsort(part[self.source[inner]], kind="stable")]
@@ -121,9 +124,7 @@ class _Graph:
             if met & self.wanted == self.wanted:
                 yield np.unique(self.source[chunk]), chunk
 
-    def shortest_lassos(
-        self, parts: Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]
-    ) -> Iterator[Lasso]:
+    def shortest_lassos(self, parts: Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]) -> Iterator[Lasso]:
         for states, steps in parts:
             leaving: dict[int, list[int]] = {}
             for step in steps.tolist():
@@ -156,8 +157,8 @@ class _Graph:
                 if after == (origin, self.wanted):
                     way = [step]
                     while at != start:
-                        at, step = came[at]
-                        way.append(step)
+                        at, before = came[at]
+                        way.append(before)
                     return way[::-1]
                 # Among ways that take the same time the one with fewer steps.
                 weight = cost + (int(self.weight[step]) << 20) + 1
@@ -193,7 +194,7 @@ def timetable(tables: Tables, lasso: Lasso, epsilon: Fraction) -> Timetable | No
 
 
 def _folded(step: int, first: int, length: int) -> tuple[int, int]:
-    """A step of the unrolled path as a step of the prefix or the first round, and how many periods later it is."""
+    """A step of the unrolled path as one of the prefix or the first round, and by how many periods later."""
     if step < first + length:
         return step, 0
     rounds, place = divmod(step - first, length)
@@ -207,21 +208,20 @@ def _least_period(constraints: Sequence[Difference], first: int, length: int) ->
     variables = first + length + 1  # the period is the last one
     rows, columns_, entries, bounds = [], [], [], []
     for row, one in enumerate(constraints):
-        (source, early), (target, late) = (
-            _folded(step, first, length) for step in (one.source, one.target)
-        )
-        # t_source + early * period - t_target - late * period <= -weight
+        (source, early), (target, late) = (_folded(step, first, length) for step in (one.source, one.target))
+        # The row says: t_source + early * period - t_target - late * period <= -weight.
         for column, entry in ((source, 1), (target, -1), (variables - 1, early - late)):
             rows.append(row)
             columns_.append(column)
             entries.append(entry)
         bounds.append(-one.weight)
-    matrix = csr_array((entries, (rows, columns_)), shape=(len(constraints), variables))
+    # The stubs of scipy know dense matrices only.
+    matrix: Any = csr_array((entries, (rows, columns_)), shape=(len(constraints), variables))
     objective = np.zeros(variables)
     objective[first] = objective[-1] = 1
     limits = [(0, 0), *[(0, None)] * (variables - 1)]
     solution = linprog(objective, A_ub=matrix, b_ub=bounds, bounds=limits, method="highs")
-    if solution.status != 0:
+    if solution.status != 0 or solution.x is None:
         return None
     return Fraction(float(solution.x[-1])).limit_denominator(LARGEST_DENOMINATOR)
 
@@ -233,9 +233,7 @@ def _times_for_period(
     factor = period.denominator
     folded = []
     for one in constraints:
-        (source, early), (target, late) = (
-            _folded(step, first, length) for step in (one.source, one.target)
-        )
+        (source, early), (target, late) = (_folded(step, first, length) for step in (one.source, one.target))
         weight = one.weight * factor - (late - early) * period.numerator
         if source == target:
             if weight > 0 or (weight == 0 and one.strict):

@@ -1,7 +1,8 @@
 """Exact times for the joint steps of a path, and how late each may happen.
 
-Every guard and invariant met on the way is a difference constraint between two steps: the one that reads the clock and
-the one that reset it. The native half solves them; here they are collected, and infinitesimals become real numbers.
+Every guard and invariant met on the way is a difference constraint between two steps: the one that reads
+the clock and the one that reset it. The native half solves them; here they are collected, and
+infinitesimals become real numbers.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,7 +113,10 @@ def _location_after(arrays: Any, path: Path, step: int, component: int, edge: in
     return int(arrays["move_target"][edge])
 
 
-def columns(constraints: Iterable[Difference], factor: int = 1) -> tuple[NDArray[Any], ...]:
+Columns: TypeAlias = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int64], NDArray[np.uint8]]
+
+
+def columns(constraints: Iterable[Difference], factor: int = 1) -> Columns:
     """The constraints as the native half takes them, the weights multiplied by `factor`."""
     listed = list(dict.fromkeys(constraints))
     return (
@@ -123,10 +127,8 @@ def columns(constraints: Iterable[Difference], factor: int = 1) -> tuple[NDArray
     )
 
 
-def schedule(
-    tables: Tables, path: Path, epsilon: Fraction, asked: Sequence[int] | None = None
-) -> Schedule:
-    """The earliest times along `path`; where bounds are strict, the last step is within `epsilon` of its infimum.
+def schedule(tables: Tables, path: Path, epsilon: Fraction, asked: Sequence[int] | None = None) -> Schedule:
+    """The earliest times along `path`; with strict bounds the end is within `epsilon` of its infimum.
 
     Parameters
     ----------
@@ -157,7 +159,7 @@ def schedule(
 def infinitesimals_a_tick(
     times: Sequence[tuple[int, int]], constraints: Sequence[Difference], epsilon: Fraction
 ) -> int:
-    """How many infinitesimals make a tick, so that all constraints hold and the end is within `epsilon` ticks."""
+    """How many infinitesimals make a tick, so that constraints hold and the end is within `epsilon` ticks."""
     if all(infinitesimals == 0 for _, infinitesimals in times):
         return 1
     needed = max(1, -(-times[-1][1] * epsilon.denominator // epsilon.numerator))

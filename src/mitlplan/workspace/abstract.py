@@ -1,7 +1,7 @@
 """From the workspace to the timed automaton of the paper's Fig. 1.
 
-A location a cell, one clock z that every move resets, a guard ``z >= time`` on every move, and, where the robot must
-not wait, an invariant that keeps it from staying longer than its longest move allows.
+A location a cell, one clock z that every move resets, a guard ``z >= time`` on every move, and, where the
+robot must not wait, an invariant that keeps it from staying longer than its longest move allows.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ CHOOSING = "choosing"
 
 
 def choice(name: str, claim: Claim, label: Demand, others: tuple[Demand, ...], parked: Demand) -> Transducer:
-    """A transducer that meets claims by `label`, where the label allows it, and by one of `others` elsewhere."""
+    """A transducer that meets claims by `label` where it can, and by one of `others` elsewhere."""
 
     def options(asked: bool) -> tuple[Demand | None, ...]:
         return others if asked else (None,)

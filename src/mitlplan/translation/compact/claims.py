@@ -1,9 +1,10 @@
 """Claims: how the obligations of a formula ask for those of its parts.
 
-The compact construction is one-sided: a transducer for psi guarantees that psi holds whenever psi is *claimed*, and to
-do so it demands the arguments of psi, that is, sets their claims in turn. Formulas are in negation normal form, hence
-monotone in the claims: demanding no more than what was claimed is sound, and claiming exactly what is true makes it
-complete. A claim is made for the instant of a step, or for the open phase behind it.
+The compact construction is one-sided: a transducer for psi guarantees that psi holds whenever psi is
+*claimed*, and to do so it demands the arguments of psi, that is, sets their claims in turn. Formulas are in
+negation normal form, hence monotone in the claims: demanding no more than what was claimed is sound, and
+claiming exactly what is true makes it complete. A claim is made for the instant of a step, or for the open
+phase behind it.
 """
 
 from __future__ import annotations

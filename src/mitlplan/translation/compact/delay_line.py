@@ -1,11 +1,12 @@
 """A delay of exactly a: what is claimed now is claimed of the next transducer a later.
 
-``F_[a,b] = F_[a,a] F_[0,b-a]``, and the same for G. The claim is first smoothed: where it ends, the gap up to the next
-claim may be filled. That leaves so few stretches that a fixed number of recorders can hold those not yet replayed: the
-truth of ``F_[a,b] f`` has no true stretch shorter than b - a unless it begins at 0, and gaps inside a true stretch can be
-filled; that of ``G_[a,b] f`` has no false stretch shorter than b - a, and shorter gaps can be filled (docs: translation,
-5.4). Each recorder remembers one stretch: the ages of its two ends, and whether the ends belong to it. Recorders stand in
-a row, and the first free one takes the next stretch.
+``F_[a,b] = F_[a,a] F_[0,b-a]``, and the same for G. The claim is first smoothed: where it ends, the gap up
+to the next claim may be filled. That leaves so few stretches that a fixed number of recorders can hold
+those not yet replayed: the truth of ``F_[a,b] f`` has no true stretch shorter than b - a unless it begins
+at 0, and gaps inside a true stretch can be filled; that of ``G_[a,b] f`` has no false stretch shorter than
+b - a, and shorter gaps can be filled (docs: translation, 5.4). Each recorder remembers one stretch: the
+ages of its two ends, and whether the ends belong to it. Recorders stand in a row, and the first free one
+takes the next stretch.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ BEGINNINGS = (*KINDS, "spot")
 def recorder_count(delay: Fraction, width: Fraction) -> int:
     """How many stretches may have to be remembered at once, for a delay a and a width b - a, in seconds.
 
-    Of the stretches that end within a only the first and the last may be shorter than b - a, or their gaps may.
+    Of the stretches that end within a, only the first and the last, or their gaps, may be shorter than b - a.
     """
     return floor(delay / width) + 2
 
@@ -115,9 +116,7 @@ def recorder(
     first, second = f"begun {claim.number}.{index}", f"ended {claim.number}.{index}"
     begins = {kind: line.begin(kind, index) for kind in BEGINNINGS}
     ends = {kind: line.end(kind) for kind in KINDS}
-    young: dict[str, Guard] = {
-        clock: (Constraint(clock, Relation.LESS, delay),) for clock in (first, second)
-    }
+    young: dict[str, Guard] = {clock: (Constraint(clock, Relation.LESS, delay),) for clock in (first, second)}
     ripe = {clock: exactly(clock, delay) for clock in (first, second)}
     no_begin = frozenset(begins.values())
     no_end = frozenset(ends.values())

@@ -1,9 +1,9 @@
 """Until and release that are claimed once: in one-shot positions (docs: semantics, section 2).
 
 One clock measures the age of the one claim, so any interval will do, a punctual one included. A claim made
-at time 0 needs no clock of its own: it uses the time of the mission, or, where a lower bound is asked, one clock
-that all such claims share (the time itself must keep "later is never better", see the search).
-An until in a one-shot position is fulfilled at an instant, and a release released at one; a step without a
+at time 0 needs no clock of its own: it uses the time of the mission, or, where a lower bound is asked, one
+clock that all such claims share (the time itself must keep "later is never better", see the search). An
+until in a one-shot position is fulfilled at an instant, and a release released at one; a step without a
 move can be put at any instant, so this loses nothing.
 """
 
@@ -27,7 +27,6 @@ from mitlplan.translation.compact.ages import above, below, beyond, exactly, sho
 from mitlplan.translation.compact.claims import (
     NOTHING,
     Claim,
-    Demand,
     Inputs,
     Operands,
     Use,
@@ -173,9 +172,7 @@ def release_once(
             return
         for use in uses(left, True, False):
             if use.point:
-                yield edge(
-                    source, DONE, inputs=inputs, guard=stage.guard, at_point=(*held, left)
-                )
+                yield edge(source, DONE, inputs=inputs, guard=stage.guard, at_point=(*held, left))
                 continue
             for keep in uses(right, False, True) if stage.early else (Use(False, True),):
                 if keep.open:

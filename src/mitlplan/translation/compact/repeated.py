@@ -1,9 +1,10 @@
 """Until and release that may be claimed again and again, with intervals that begin at 0.
 
-One clock will do, because the oldest open claim of an until is the one that runs out first, and the newest claim of
-a release the one that lasts longest. What an instant adds: the claim that is measured was made at an instant
-(``attained``) or is the limit of claims made in an open phase, and that decides whether the bound itself still counts
-(docs: translation; Maler, Nickovic and Pnueli 2006 need a clock for every edge of the claim).
+One clock will do, because the oldest open claim of an until is the one that runs out first, and the newest
+claim of a release the one that lasts longest. What an instant adds: the claim that is measured was made at
+an instant (``attained``) or is the limit of claims made in an open phase, and that decides whether the
+bound itself still counts (docs: translation; Maler, Nickovic and Pnueli 2006 need a clock for every edge of
+the claim).
 """
 
 from __future__ import annotations
@@ -292,11 +293,10 @@ def release_repeated(
                     covered = coverage.open or inputs.point
                     for use in uses(left, covered, covered or inputs.open):
                         # Once released at the instant there is nothing left to release in the open phase.
-                        if use.point and use.open and not inputs.open:
-                            if not left.label_alone:
-                                continue
-                            use = Use(True, False)
-                        yield step(source, coverage, inputs, use)
+                        needless = use.point and use.open and not inputs.open
+                        if needless and not left.label_alone:
+                            continue
+                        yield step(source, coverage, inputs, Use(True, False) if needless else use)
 
     def endings() -> Iterator[Edge | None]:
         for source in sources:

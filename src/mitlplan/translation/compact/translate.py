@@ -1,13 +1,14 @@
 """The compact construction: one small transducer for each temporal part of the formula.
 
-Each is one-sided (:mod:`mitlplan.translation.compact.claims`). Parts in one-shot positions get a transducer of their
-own for every place they stand in; a part that may be claimed again and again shares one transducer however often it
-occurs. A lower bound above 0 is a delay line, or is rewritten where that is cheaper:
+Each is one-sided (:mod:`mitlplan.translation.compact.claims`). Parts in one-shot positions get a transducer
+of their own for every place they stand in; a part that may be claimed again and again shares one transducer
+however often it occurs. A lower bound above 0 is a delay line, or is rewritten where that is cheaper:
 
     p U[a,b] q = G[0,a) p & G[0,a](p U q) & F[a,b] q        and its dual,
 
-where an upper bound of infinity drops the last conjunct. In the paper's construction every interval costs 2m + 1 clocks;
-here an operator under none but "and" and "or" needs no clock but the time, and [0,b] needs one anywhere.
+where an upper bound of infinity drops the last conjunct. In the paper's construction every interval costs
+2m + 1 clocks; here an operator under none but "and" and "or" needs no clock but the time, and [0,b] needs
+one anywhere.
 """
 
 from __future__ import annotations
@@ -63,8 +64,8 @@ def translate(core: Core, *, until_the_end: bool = False) -> Obligations:
     core
         The formula.
     until_the_end
-        Whether ``G``, ``R`` and ``W`` without an upper bound speak only of the time up to the end of a finite plan
-        (``horizon: finite``).
+        Whether ``G``, ``R`` and ``W`` without an upper bound speak only of the time up to the end of a
+        finite plan (``horizon: finite``).
 
     Raises
     ------
@@ -173,16 +174,12 @@ class _Translator:
         claim = Claim(self.number())
         match core:
             case CoreUntil(left, right, interval):
-                operands = self.operands(
-                    core, self.demand(left, once=False), self.demand(right, once=True)
-                )
+                operands = self.operands(core, self.demand(left, once=False), self.demand(right, once=True))
                 self.made[claim.number] = until_once(
                     written(core), claim, interval, operands, at_start=at_start
                 )
             case CoreRelease(left, right, interval):
-                operands = self.operands(
-                    core, self.demand(left, once=True), self.demand(right, once=False)
-                )
+                operands = self.operands(core, self.demand(left, once=True), self.demand(right, once=False))
                 self.made[claim.number] = release_once(
                     written(core),
                     claim,
@@ -284,8 +281,8 @@ class _Translator:
     def release_without_delay(self, core: CoreRelease) -> Demand:
         """The dual of :func:`without_delay_until`.
 
-        With ``horizon: finite`` a release without an upper bound asks nothing where its interval begins after the end;
-        the rewriting of a bounded one, in turn, must not profit from that rule.
+        With ``horizon: finite`` a release without an upper bound asks nothing where its interval begins
+        after the end; the rewriting of a bounded one, in turn, must not profit from that rule.
         """
         interval = core.interval
         up_to = Interval(Fraction(0), interval.lower)
@@ -297,9 +294,7 @@ class _Translator:
             before = Interval(Fraction(0), interval.lower, upper_open=True)
             alternatives.append(self.demand(eventually(core.left, before), once=False))
         delayed = eventually(inner, up_to)
-        alternatives.append(
-            self.repeated_over(delayed, inner, until_the_end=lenient, vacuous_at_end=lenient)
-        )
+        alternatives.append(self.repeated_over(delayed, inner, until_the_end=lenient, vacuous_at_end=lenient))
         if interval.upper is not None:
             alternatives.append(self.demand(always(core.right, interval), once=False))
         claim = Claim(self.number())
@@ -310,9 +305,7 @@ class _Translator:
         self.shared[_Part(core, self.until_the_end)] = claim
         return _claiming(claim)
 
-    def repeated_over(
-        self, outer: Core, inner: Core, *, until_the_end: bool, vacuous_at_end: bool
-    ) -> Demand:
+    def repeated_over(self, outer: Core, inner: Core, *, until_the_end: bool, vacuous_at_end: bool) -> Demand:
         """A bounded eventually whose argument treats the end of the mission in its own way."""
         part = _Part(outer, until_the_end, vacuous_at_end)
         if propositional(outer):
