@@ -19,6 +19,7 @@ from itertools import islice
 from typing import Literal as Choice
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mitlplan.automata.transducer import Constraint, Edge, Location, Relation, Transducer
 from mitlplan.compose import compose
@@ -33,7 +34,7 @@ from mitlplan.search.tables import Tables, tabulate
 from mitlplan.tour import shortest_tour
 from mitlplan.translation.compact.relax import relax
 from mitlplan.workspace.compress import Compressed, compress, look_alike
-from mitlplan.workspace.workspace import Workspace
+from mitlplan.workspace.workspace import UNLIMITED, Workspace
 
 LASSOS = 200
 """How many lassos of the zone graph are timed and put to the judge."""
@@ -43,6 +44,9 @@ FEW_CELLS = 64
 
 WALKS = 4_000
 """How many walks are looked at before the best loop known is taken."""
+
+HOPELESSLY_MANY = 300_000
+"""If so many walks end before any loop can, none is looked at."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,6 +155,8 @@ def fastest_walk(
     above, below
         Loops whose first round ends before `above`, or not before `below`, are of no interest, in seconds.
     """
+    if _many_walks(workspace, start, tick, above):
+        return Walks(None, above)
     violated: Formula = Not(And(tuple(formulas))) if len(formulas) > 1 else Not(formulas[0])
     queue = [_Arrival(Fraction(0), 0, 0, start, None)]
     numbers = 0
@@ -195,6 +201,35 @@ def _move(
         return None
     walk_on = (move, stay) if most is None or stay + tick <= most else None
     return _Arrival(at.time + stay, at.moves + 1, number, int(workspace.target[move]), at, walk_on)
+
+
+def _many_walks(workspace: Workspace, start: int, tick: Fraction, before: Fraction) -> bool:
+    """Whether hopelessly many walks end before a time; stays of free length are counted in steps of a tick."""
+    if workspace.move_count == 0:
+        return False
+    least = [max(workspace.durations[index], tick) for index in range(len(workspace.durations))]
+    groups = [(least[index], np.flatnonzero(workspace.least == index)) for index in np.unique(workspace.least)]
+    free = workspace.waiting | (workspace.most == UNLIMITED)
+    none = np.zeros(workspace.move_count)
+    # How often each move is made, by the time when.
+    made: dict[Fraction, NDArray[np.float64]] = {}
+    arrivals = np.zeros(workspace.cell_count)
+    arrivals[start] = 1
+    now, count = Fraction(0), 1.0
+    while count < HOPELESSLY_MANY:
+        for time, moves in groups:
+            onward = arrivals[workspace.source[moves]]
+            if onward.any():
+                made.setdefault(now + time, none.copy())[moves] += onward
+        now = min(made, default=before)
+        if now >= before:
+            return False
+        moved = made.pop(now)
+        if (moved * free).any():
+            made.setdefault(now + tick, none.copy())[:] += moved * free
+        arrivals = np.bincount(workspace.target, moved, workspace.cell_count).astype(np.float64)
+        count += float(arrivals.sum())
+    return True
 
 
 def _way_to(at: _Arrival) -> list[_Arrival]:
