@@ -77,19 +77,24 @@ inline std::vector<Ticks> latest_times(std::span<const Ticks> planned, std::span
         const auto first = static_cast<std::size_t>(step);
         for (std::size_t k = 0; k < first; ++k) latest[k] = planned[k];
         for (std::size_t k = first; k < steps; ++k) latest[k] = unlimited;
-        for (bool changed = true; changed;) {
+        bool changed = true;
+        const auto tighten = [&](std::size_t k) {
+            for (const Difference& difference : bounding[k]) {
+                const Ticks other = latest[static_cast<std::size_t>(difference.to)];
+                if (other == unlimited) continue;
+                const Ticks bound = checked_sum(other, -difference.weight);
+                if (bound >= latest[k]) continue;
+                if (bound < planned[k]) throw std::domain_error("the planned times break a constraint");
+                latest[k] = bound;
+                changed = true;
+            }
+        };
+        // Deadlines bound from behind and longest stays from the front: sweeps both ways carry either through at
+        // once. As planned is always possible, so nothing is left to do once that is the bound.
+        while (changed && latest[first] != planned[first]) {
             changed = false;
-            // Most bounds come from the next step, so backwards one round is mostly enough.
-            for (std::size_t k = steps; k-- > first;)
-                for (const Difference& difference : bounding[k]) {
-                    const Ticks other = latest[static_cast<std::size_t>(difference.to)];
-                    if (other == unlimited) continue;
-                    const Ticks bound = checked_sum(other, -difference.weight);
-                    if (bound >= latest[k]) continue;
-                    if (bound < planned[k]) throw std::domain_error("the planned times break a constraint");
-                    latest[k] = bound;
-                    changed = true;
-                }
+            for (std::size_t k = first; k < steps; ++k) tighten(k);
+            for (std::size_t k = steps; k-- > first;) tighten(k);
         }
         result.push_back(latest[first]);
     }
