@@ -9,20 +9,22 @@ built by the function that anybody may call without a file.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, Union, get_args
 
 from pydantic import ValidationError
 
 from mitlplan.document import Document, Fault, read_document
 from mitlplan.errors import FormulaError, WorkspaceError
+from mitlplan.exact import Number, exact
 from mitlplan.logic.formula import Atom, Formula, operands_of
 from mitlplan.logic.normalize import warnings
 from mitlplan.logic.parse import parse
+from mitlplan.logic.show import show
 from mitlplan.mission_schema import (
     BoxKeys,
     GraphKeys,
@@ -40,6 +42,8 @@ from mitlplan.workspace.regions import Part
 
 Horizon: TypeAlias = Literal["infinite", "finite"]
 UntilKind: TypeAlias = Literal["standard", "closed"]
+Spec: TypeAlias = Union[str, Formula, Mapping[str, Union[str, Formula]]]
+"""One requirement, or several by their names."""
 
 ONLY_REQUIREMENT = "spec"
 """The name of the requirement where the file gives a single one without a name."""
@@ -140,6 +144,75 @@ def mission_from_mapping(data: Mapping[str, Any], *, folder: str | Path = ".") -
     """
     keys, document = _keys(Document(data))
     return _mission(keys, document, Path(folder), None)
+
+
+def mission_for(
+    workspace: Workspace,
+    spec: Spec,
+    *,
+    start: str | tuple[int, int],
+    horizon: Horizon = "infinite",
+    until: UntilKind = "standard",
+    epsilon: Number = Fraction(1, 1000),
+    propositions: Iterable[str] = (),
+) -> Mission:
+    """Make a mission of a workspace that is already there.
+
+    Parameters
+    ----------
+    workspace
+        The robot's world.
+    spec
+        A formula or its text, or several by their names.
+    start
+        The cell in which the robot starts: its name, or on grids its row and column.
+    horizon, until
+        How the requirements are read (docs: semantics, sections 2 and 3).
+    epsilon
+        Seconds within which a plan comes to a least makespan that none attains.
+    propositions
+        Those that formulas may name although no cell carries them.
+
+    Raises
+    ------
+    MissionError
+        As :func:`read`, without line and column.
+
+    Examples
+    --------
+    >>> mission = mission_for(grid(2, 2, regions={"A": [(1, 0)]}), {"visit": "F[0,2] A"}, start="r0c0")
+    >>> mission.start, mission.spec[0].name
+    (0, 'visit')
+    """
+    document = Document({"spec": spec})
+    for key, value, choices in (
+        ("horizon", horizon, get_args(Horizon)),
+        ("until", until, get_args(UntilKind)),
+    ):
+        if value not in choices:
+            raise document.error(Fault(f"{' or '.join(choices)} is expected, not {value!r}", (key,)))
+    tolerance = _tolerance(epsilon, document)
+    known = sorted(workspace.propositions.union(propositions))
+    requirements = tuple(_requirements(spec, known, document))
+    return Mission(
+        workspace=workspace,
+        start=_start(start, workspace, document),
+        spec=requirements,
+        horizon=horizon,
+        until=until,
+        epsilon=tolerance,
+        warnings=tuple(_warnings(spec, requirements, until, document)),
+    )
+
+
+def _tolerance(epsilon: Number, document: Document) -> Fraction:
+    try:
+        tolerance = exact(epsilon)
+    except ValueError as error:
+        raise document.error(Fault(str(error), ("epsilon",))) from None
+    if tolerance == 0:
+        raise document.error(Fault("a positive number is expected, such as 1/1000", ("epsilon",)))
+    return tolerance
 
 
 def schema() -> dict[str, Any]:
@@ -286,34 +359,32 @@ def _start(start: str | tuple[int, int], workspace: Workspace, document: Documen
 # ------------------------------------------------------------------------------------------- the requirements
 
 
-def _requirements(
-    spec: str | Mapping[str, str], known: Sequence[str], document: Document
-) -> Iterator[Requirement]:
-    if not spec and not isinstance(spec, str):
+def _requirements(spec: Spec, known: Sequence[str], document: Document) -> Iterator[Requirement]:
+    if isinstance(spec, Mapping) and not spec:
         raise document.error(Fault("there is no requirement; write a formula or name: formula", ("spec",)))
-    for name, text in _named(spec).items():
+    for name, given in _named(spec).items():
         with _placed(spec, name, document):
-            formula = parse(text)
+            text, formula = (given, parse(given)) if isinstance(given, str) else (show(given), given)
             _check_atoms(formula, text, known)
         yield Requirement(name, text, formula)
 
 
-def _named(spec: str | Mapping[str, str]) -> Mapping[str, str]:
-    return {ONLY_REQUIREMENT: spec} if isinstance(spec, str) else spec
+def _named(spec: Spec) -> Mapping[str, str | Formula]:
+    return spec if isinstance(spec, Mapping) else {ONLY_REQUIREMENT: spec}
 
 
 @contextmanager
-def _placed(spec: str | Mapping[str, str], name: str, document: Document) -> Iterator[None]:
+def _placed(spec: Spec, name: str, document: Document) -> Iterator[None]:
     """Give the error of a formula the place of its requirement in the file."""
     try:
         yield
     except FormulaError as error:
-        path = ("spec",) if isinstance(spec, str) else ("spec", name)
+        path = ("spec", name) if isinstance(spec, Mapping) else ("spec",)
         raise document.error(Fault(str(error), path)) from None
 
 
 def _warnings(
-    spec: str | Mapping[str, str], requirements: Sequence[Requirement], until: UntilKind, document: Document
+    spec: Spec, requirements: Sequence[Requirement], until: UntilKind, document: Document
 ) -> Iterator[str]:
     for requirement in requirements:
         with _placed(spec, requirement.name, document):
