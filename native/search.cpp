@@ -36,12 +36,17 @@ Bound* Search::Arena::allocate(std::size_t count) {
 }
 
 Search::Search(Tables tables, const Options& options)
-    : tables_((tables.validate(), std::move(tables))), options_(options), successors_(tables_), table_(1024, 0) {
+    : tables_((tables.validate(), std::move(tables))), options_(options), successors_(tables_), tours_(tables_), table_(1024, 0) {
     first_at_.assign(static_cast<std::size_t>(tables_.driver_locations()), none);
     // Worth its price where components choose when to act, which makes states differ that need not.
     relief_ = !options_.record && std::ranges::any_of(tables_.locations, [](const Location& location) {
         return location.restless == restless_always;
     });
+    const auto [first, last] = std::pair(tables_.edge_start[0].front(), tables_.edge_start[0][first_at_.size()]);
+    for (Index edge = first; edge < last; ++edge)
+        for (const Constraint& constraint : tables_.guards[successors_.driver_move(edge).guard])
+            if (constraint.clock == tables_.driver_clock && !constraint.upper)
+                longest_move_ = std::max(longest_move_, -value(constraint.bound));
     start();
 }
 
@@ -65,7 +70,7 @@ void Search::start() {
     JointStep nothing;
     nothing.edges.assign(initial.size(), none);
     nothing.targets = initial;
-    store(none, nothing, state, clocks, 0, 0);
+    store(none, nothing, state, clocks, 0, {0, 0});
 }
 
 Index Search::find_active(std::span<const Index> locations) {
@@ -106,8 +111,9 @@ Index Search::find_state(std::span<const Index> wanted) {
     return state;
 }
 
-Ticks Search::estimate(std::span<const Bound> zone, const ActiveClocks& clocks,
-                       std::span<const Index> at) const {
+Search::Estimate Search::estimate(std::span<const Bound> zone, const ActiveClocks& clocks, std::span<const Index> at,
+                                  Index moves) {
+    constexpr Estimate hopeless{Tours::unreachable, 0};
     const int dimension = clocks.dimension();
     const int time = tables_.time_clock == none ? none : clocks.position(tables_.time_clock);
     const int driver = tables_.driver_clock == none ? none : clocks.position(tables_.driver_clock);
@@ -118,18 +124,30 @@ Ticks Search::estimate(std::span<const Bound> zone, const ActiveClocks& clocks,
         const Bound difference = zone[dbm::entry(dimension, driver, clock)];
         return difference == infinity ? Ticks{0} : -value(difference);
     };
-    Ticks result = time == none ? 0 : -value(zone[dbm::entry(dimension, 0, time)]);
+    Tours::Subset targets = 0;
+    due_.clear();
     for (const Index index : at) {
         const Location& location = tables_.locations[static_cast<std::size_t>(index)];
         if (location.target == none) continue;
-        const Ticks distance = tables_.distance(location.target, at[0]);
-        if (distance < 0) return std::numeric_limits<Ticks>::max();
-        if (time != none) result = std::max(result, since_move(time) + distance);
-        if (location.deadline_clock == none) continue;
-        const int clock = clocks.position(location.deadline_clock);
-        if (clock != none && since_move(clock) + distance > location.deadline) return std::numeric_limits<Ticks>::max();
+        const int clock = location.deadline_clock == none ? none : clocks.position(location.deadline_clock);
+        if (location.target < Tours::largest) targets |= Tours::Subset{1} << location.target;
+        else if (tables_.distance(location.target, at[0]) < 0) return hopeless;
+        if (clock != none) due_.emplace_back(location.deadline - since_move(clock), location.target);
     }
-    return result;
+    // All that is due by some time has to be seen by then, in whatever order.
+    std::ranges::sort(due_);
+    Tours::Subset due = 0;
+    for (const auto& [left, target] : due_) {
+        if (target < Tours::largest) due |= Tours::Subset{1} << target;
+        else if (tables_.distance(target, at[0]) > left) return hopeless;
+        if (tours_.bound(due, at[0]) > left) return hopeless;
+    }
+    const Ticks rest = tours_.bound(targets, at[0]);
+    if (rest == Tours::unreachable) return hopeless;
+    const Ticks moves_left = longest_move_ == 0 ? 0 : (rest + longest_move_ - 1) / longest_move_;
+    if (time == none) return {0, moves + moves_left};
+    const Ticks now = -value(zone[dbm::entry(dimension, 0, time)]);
+    return {targets == 0 ? now : std::max(now, since_move(time) + rest), moves + moves_left};
 }
 
 bool Search::relieves(Index easier, Index state) const noexcept {
@@ -169,7 +187,7 @@ bool Search::relieved(Index state, const ActiveClocks& clocks, Index moves) {
 }
 
 void Search::store(NodeId parent, const JointStep& step, Index state, const ActiveClocks& clocks, Index moves,
-                   Ticks estimated) {
+                   const Estimate& estimated) {
     State& home = states_[static_cast<std::size_t>(state)];
     const auto marks = [&] {
         std::uint64_t set = 0;
@@ -208,7 +226,7 @@ void Search::store(NodeId parent, const JointStep& step, Index state, const Acti
     nodes_.push_back({state, parent, home.first, moves, zone, false});
     home.first = node;
     steps_.insert(steps_.end(), step.edges.begin(), step.edges.end());
-    waiting_.push({estimated, moves, node});
+    waiting_.push({estimated.time, estimated.moves, -moves, node});
     record(node);
 }
 
@@ -236,8 +254,8 @@ void Search::take(NodeId parent, const ActiveClocks& clocks, std::span<const Bou
         states_[static_cast<std::size_t>(nodes_[static_cast<std::size_t>(parent)].state)].active)];
     successors_.settle(guarded_, before, step, after, settled_);
     if (!successors_.elapse(settled_, after, step.targets)) return;
-    const Ticks estimated = estimate(settled_, after, step.targets);
-    if (estimated > options_.horizon) return;
+    const Estimate estimated = estimate(settled_, after, step.targets, moves);
+    if (estimated.time > options_.horizon) return;
     dbm::extrapolate_lu_plus(settled_, after.dimension(), after.lower, after.upper);
     store(parent, step, state, after, moves, estimated);
 }
@@ -279,12 +297,12 @@ bool Search::finished() const noexcept {
     if (waiting_.empty()) return true;
     if (goal_.parent == none) return false;
     const Waiting& next = waiting_.top();
-    if (next.estimate != goal_.time) return next.estimate > goal_.time;
+    if (next.time != goal_.time) return next.time > goal_.time;
     return !goal_.strict && next.moves >= goal_.moves;
 }
 
 Ticks Search::lower_bound() const noexcept {
-    Ticks bound = waiting_.empty() ? std::numeric_limits<Ticks>::max() : waiting_.top().estimate;
+    Ticks bound = waiting_.empty() ? std::numeric_limits<Ticks>::max() : waiting_.top().time;
     return goal_.parent == none ? bound : std::min(bound, goal_.time);
 }
 

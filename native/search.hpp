@@ -14,6 +14,7 @@
 #include <unordered_map>
 
 #include "successors.hpp"
+#include "tours.hpp"
 
 namespace mitlplan {
 
@@ -92,9 +93,17 @@ private:
         Index next;  // the next one with the same location of the driver
     };
 
+    /// What lies beyond a state: lower bounds on the time of a goal and on the moves up to it.
+    struct Estimate {
+        Ticks time;
+        Ticks moves;
+    };
+
+    // Among equal bounds the state that has come furthest goes first: it is the nearest to a goal.
     struct Waiting {
-        Ticks estimate;
-        Index moves;
+        Ticks time;
+        Ticks moves;
+        Index moves_made_negated;
         NodeId node;
 
         friend auto operator<=>(const Waiting&, const Waiting&) = default;
@@ -129,7 +138,7 @@ private:
     void reach_goal(NodeId parent, const ActiveClocks& clocks, std::span<const Bound> zone, StepKind kind,
                     const JointStep& step, Index moves);
     void store(NodeId parent, const JointStep& step, Index state, const ActiveClocks& clocks, Index moves,
-               Ticks estimate);
+               const Estimate& estimated);
     bool finished() const noexcept;
     /// Whether every component of `easier` is where it is in `state`, or in a relief of that.
     bool relieves(Index easier, Index state) const noexcept;
@@ -137,12 +146,16 @@ private:
     bool relieved(Index state, const ActiveClocks& clocks, Index moves);
     Index find_state(std::span<const Index> locations);
     Index find_active(std::span<const Index> locations);
-    /// A lower bound on the objective beyond this zone; past `tick_limit` if nothing can be reached.
-    Ticks estimate(std::span<const Bound> zone, const ActiveClocks& clocks, std::span<const Index> locations) const;
+    /// Lower bounds on a goal beyond this zone; the time is `Tours::unreachable` if there is none.
+    Estimate estimate(std::span<const Bound> zone, const ActiveClocks& clocks, std::span<const Index> locations,
+                      Index moves);
 
     Tables tables_;
     Options options_;
     Successors successors_;
+    Tours tours_;
+    Ticks longest_move_ = 0;  // the least time of the slowest move
+    std::vector<std::pair<Ticks, Index>> due_;  // targets with the time left for each
     std::vector<Node> nodes_;
     std::vector<Index> steps_;  // the joint step that led to each node
     std::vector<State> states_;
