@@ -9,19 +9,20 @@ may happen at any time, decides whether a formula is satisfiable.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations
+from typing import Any, TypeAlias, Union, overload
 from typing import Literal as Choice
-from typing import TypeAlias, Union
 
 from mitlplan.automata.transducer import Network
 from mitlplan.check import check, signal_of
 from mitlplan.compose import compose
 from mitlplan.endless import Question, Round, any_loop, fastest_loop
 from mitlplan.errors import TranslationError
+from mitlplan.exact import Number
 from mitlplan.logic.core import (
     Conjunction,
     Core,
@@ -35,9 +36,10 @@ from mitlplan.logic.core import (
 )
 from mitlplan.logic.formula import Formula, Iff, Not
 from mitlplan.logic.normalize import co_safe, negation_normal_form, normalize
+from mitlplan.logic.parse import parse
 from mitlplan.logic.semantics import satisfies
 from mitlplan.logic.signal import Signal
-from mitlplan.mission import Mission
+from mitlplan.mission import Horizon, Mission, Spec, UntilKind, mission_for
 from mitlplan.plan import Infeasible, LimitReached, Loop, Outcome, Plan, Statistics, Step
 from mitlplan.search.fastest import Exhausted, Found, Limits, Progress, Stopped, fastest_run
 from mitlplan.search.schedule import STANDS_STILL, schedule
@@ -45,6 +47,7 @@ from mitlplan.search.tables import Tables, tabulate
 from mitlplan.translation.compact.relax import can_end, parked_label
 from mitlplan.translation.compact.translate import translate
 from mitlplan.workspace.universal import universal
+from mitlplan.workspace.workspace import Workspace
 
 __all__ = [
     "Answer",
@@ -62,7 +65,6 @@ MOST_ATOMS = 12
 """Of a formula to be decided."""
 
 Construction: TypeAlias = Choice["compact"]
-UntilKind: TypeAlias = Choice["standard", "closed"]
 Report: TypeAlias = Callable[[Progress], None]
 
 
@@ -91,20 +93,53 @@ def core_of(mission: Mission) -> Core:
     )
 
 
+@overload
 def plan(
     mission: Mission,
+    *,
+    construction: Construction = ...,
+    time_limit: float | None = ...,
+    memory_limit: int | None = ...,
+    progress: Report | None = ...,
+) -> Outcome: ...
+
+
+@overload
+def plan(
+    mission: Workspace,
+    spec: Spec,
+    *,
+    start: str | tuple[int, int],
+    horizon: Horizon = ...,
+    until: UntilKind = ...,
+    epsilon: Number = ...,
+    construction: Construction = ...,
+    time_limit: float | None = ...,
+    memory_limit: int | None = ...,
+    progress: Report | None = ...,
+) -> Outcome: ...
+
+
+def plan(
+    mission: Mission | Workspace,
+    spec: Spec | None = None,
     *,
     construction: Construction = "compact",
     time_limit: float | None = None,
     memory_limit: int | None = None,
     progress: Report | None = None,
+    **reading: Any,
 ) -> Outcome:
     """The fastest plan for a mission, checked by the independent judge.
 
     Parameters
     ----------
     mission
-        What is to be done, and where.
+        What is to be done, and where; or where alone, with `spec`.
+    spec
+        What is to be done on a workspace: a formula or its text, or several by their names.
+    **reading
+        With a workspace, `start` and whatever else :func:`mitlplan.mission.mission_for` takes.
     construction
         How formulas become automata.
     time_limit, memory_limit
@@ -117,30 +152,46 @@ def plan(
     Plan, Infeasible or LimitReached
         A plan has passed the judge; infeasible is a proof.
 
+    Raises
+    ------
+    MitlplanError
+        If the formulas cannot be read or translated, or the start is on no cell of the workspace.
+
     Examples
     --------
-    >>> from mitlplan.mission import mission_from_mapping
-    >>> print(plan(mission_from_mapping({
-    ...     "mitlplan": 1,
-    ...     "workspace": {"grid": {"rows": 2, "columns": 2, "regions": {"A": [[1, 0]], "B": [[0, 1]]}}},
-    ...     "robot": {"start": "r0c0"},
-    ...     "spec": "(!A U B) & F A",
-    ... })))
+    >>> from mitlplan.workspace import grid
+    >>> workspace = grid(2, 2, regions={"A": [(1, 0)], "B": [(0, 1)]})
+    >>> print(plan(workspace, "(!A U B) & F A", start="r0c0"))
     0 r0c0 -> 1 r0c1 -> 2 r0c0 -> 3 r1c0
     """
     del construction  # there is one so far
+    mission = _mission(mission, spec, reading)
     limits = Limits(time_limit, memory_limit, progress).begin()
-    outcome = _planning(mission, limits).outcome()
+    planning = _planning(mission, limits)
+    outcome = planning.outcome()
     match outcome:
         case Plan():
-            fault = check(mission, outcome)
+            with planning.stage("check"):
+                fault = check(mission, outcome)
             if fault is not None:
                 raise AssertionError(f"the plan found does not pass the judge, a defect of mitlplan: {fault}")
-            return replace(outcome, checked=True)
+            return replace(outcome, checked=True, statistics=planning.statistics())
         case Infeasible():
-            return replace(outcome, conflict=_conflict(mission, limits))
+            with planning.stage("conflict"):
+                conflict = _conflict(mission, limits)
+            return replace(outcome, conflict=conflict, statistics=planning.statistics())
         case LimitReached():
             return outcome
+
+
+def _mission(mission: Mission | Workspace, spec: Spec | None, reading: Mapping[str, Any]) -> Mission:
+    if isinstance(mission, Workspace):
+        if spec is None:
+            raise TypeError("on a workspace there is nothing to plan without a spec")
+        return mission_for(mission, spec, **reading)
+    if spec is not None or reading:
+        raise TypeError("a mission has its own spec and start; give these with a workspace")
+    return mission
 
 
 class _Planning:
@@ -296,7 +347,7 @@ def _conflict(mission: Mission, limits: Limits) -> tuple[str, ...]:
 
 
 def satisfiable(
-    formula: Formula,
+    formula: Formula | str,
     *,
     until: UntilKind = "standard",
     time_limit: float | None = None,
@@ -309,10 +360,10 @@ def satisfiable(
 
     Examples
     --------
-    >>> from mitlplan.logic.parse import parse
-    >>> satisfiable(parse("F[1,2] A & G !A"))
+    >>> satisfiable("F[1,2] A & G !A")
     Unsatisfiable()
     """
+    formula = _read(formula)
     core = normalize(formula, until, horizon="infinite")
     workspace = universal(_labels_to_tell_apart(core))
     starts = tuple(range(workspace.cell_count))
@@ -329,6 +380,10 @@ def satisfiable(
             return outcome
         case Infeasible():
             return Unsatisfiable()
+
+
+def _read(formula: Formula | str) -> Formula:
+    return parse(formula) if isinstance(formula, str) else formula
 
 
 def _labels_to_tell_apart(core: Core) -> list[frozenset[str]]:
@@ -361,7 +416,7 @@ def _atoms(core: Core) -> frozenset[str]:
 
 
 def valid(
-    formula: Formula,
+    formula: Formula | str,
     *,
     until: UntilKind = "standard",
     time_limit: float | None = None,
@@ -373,13 +428,13 @@ def valid(
     The answer speaks of the negation: a signal is a counter-example.
     """
     return satisfiable(
-        Not(formula), until=until, time_limit=time_limit, memory_limit=memory_limit, progress=progress
+        Not(_read(formula)), until=until, time_limit=time_limit, memory_limit=memory_limit, progress=progress
     )
 
 
 def equivalent(
-    formula: Formula,
-    other: Formula,
+    formula: Formula | str,
+    other: Formula | str,
     *,
     until: UntilKind = "standard",
     time_limit: float | None = None,
@@ -388,7 +443,7 @@ def equivalent(
 ) -> Answer:
     """Whether two formulas mean the same; the answer speaks of their difference."""
     return valid(
-        Iff(formula, other),
+        Iff(_read(formula), _read(other)),
         until=until,
         time_limit=time_limit,
         memory_limit=memory_limit,
