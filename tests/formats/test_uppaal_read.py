@@ -140,7 +140,8 @@ def read(text: bytes) -> UppaalModel:
 def test_a_model_in_other_words() -> None:
     found = read(
         model(
-            "const int N = 2; typedef int[0,N] small; small n, m = 1; bool up = true; clock x, y[N+1]; /* so */",
+            "const int N = 2; typedef int[0,N] small; small n, m = 1; /* so */"
+            "bool up = true; clock x, y[N+1]; // and so",
             local="clock z; urgent_not_here".replace("urgent_not_here", "int[0,9] k;"),
             invariant="x &lt; 3 and z &lt;= N*2 &amp;&amp; 1 == y[0]'",
             labels=guard("2 &lt;= x &amp;&amp; z == 1 and not up &amp;&amp; n + 1 != m &amp;&amp; true")

@@ -11,7 +11,7 @@ where nothing is owed whatever follows, ``park`` where nothing is owed if the ro
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from mitlplan.automata import transducer as steps
@@ -148,7 +148,9 @@ class _Lockstep:
                 assignments=self._signals_of(move.target),
             )
         for cell in range(count):
-            yield Edge(cell, count + cell, later, stepped, assignments=self._signals_of(cell))
+            # In a step without a move the robot is still there: its longest stay is not over.
+            still = tuple(replace(bound, relation=Relation.LESS) for bound in plain.locations[cell].invariant)
+            yield Edge(cell, count + cell, (*still, *later), stepped, assignments=self._signals_of(cell))
 
     def _signals_of(self, cell: int) -> tuple[Assignment, ...]:
         """The label's predicates as they are, and every other signal off."""

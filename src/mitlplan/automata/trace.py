@@ -1,0 +1,306 @@
+"""Traces of a network: exact times for a sequence of moves, and the check that they are a run.
+
+Another tool, or a search over zones, says which edges are taken one after the other. The earliest times at
+which they can be taken are a linear program in the delays: a clock is the sum of the delays since its reset
+during which it was not stopped. Its solution is made exact and then executed step by step, with the same
+rules for everybody (:func:`execute`); what cannot be executed is no trace. Where a strict bound keeps the
+least time from being attained, the times are within an epsilon of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from mitlplan.automata.timed_automaton import (
+    Edge,
+    Location,
+    Network,
+    Urgency,
+    holds,
+    ticks_per_second,
+    value_of,
+)
+from mitlplan.automata.transducer import Guard, Relation
+
+Move: TypeAlias = tuple[tuple[int, int], ...]
+"""The edges taken at once, as pairs of automaton and edge; the sender is the first."""
+
+MOST_HALVINGS = 20
+LARGEST_DENOMINATOR = 1_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """Moves and when they are made.
+
+    Parameters
+    ----------
+    moves, times
+        As many of one as of the other; times in seconds, not decreasing.
+    attained
+        Whether no other times for the same moves end earlier; otherwise their infimum is `least`.
+    least
+        The infimum of the time of the last move.
+    """
+
+    moves: tuple[Move, ...]
+    times: tuple[Fraction, ...]
+    attained: bool = True
+    least: Fraction = Fraction(0)
+
+
+@dataclass(slots=True)
+class _State:
+    locations: list[int]
+    clocks: dict[str, Fraction]
+    values: dict[str, int]
+
+
+def located(network: Network, moves: Sequence[Move]) -> Iterator[tuple[Location, ...]]:
+    """The locations before each move, and after the last."""
+    at = [automaton.initial for automaton in network.automata]
+    yield _locations(network, at)
+    for move in moves:
+        for place, index in move:
+            at[place] = network.automata[place].edges[index].target
+        yield _locations(network, at)
+
+
+def _locations(network: Network, at: Sequence[int]) -> tuple[Location, ...]:
+    return tuple(each.locations[index] for each, index in zip(network.automata, at, strict=True))
+
+
+# -- execution -----------------------------------------------------------------------------------------
+
+
+def execute(network: Network, trace: Trace) -> str | None:
+    """Make the moves at their times, and say what is wrong with the first that cannot be made.
+
+    Returns
+    -------
+    str or None
+        ``None`` if the trace is a run of the network.
+    """
+    state = _State(
+        [automaton.initial for automaton in network.automata],
+        dict.fromkeys(network.clocks, Fraction(0)),
+        {variable.name: variable.initial for variable in network.variables},
+    )
+    now = Fraction(0)
+    if problem := _broken_invariant(network, state):
+        return f"at 0: {problem}"
+    for move, time in zip(trace.moves, trace.times, strict=True):
+        if problem := _delayed(network, state, time - now) or _moved(network, state, move):
+            return f"at {time}: {problem}"
+        now = time
+    return None
+
+
+def _delayed(network: Network, state: _State, delay: Fraction) -> str:
+    if delay < 0:
+        return "time runs backwards"
+    if delay == 0:
+        return ""
+    here = _locations(network, state.locations)
+    for location in here:
+        if location.urgency is not Urgency.NORMAL:
+            return f"no time may pass in {location.name}"
+    stopped = frozenset[str]().union(*(location.stopped for location in here))
+    for clock in state.clocks:
+        if clock not in stopped:
+            state.clocks[clock] += delay
+    return _broken_invariant(network, state)
+
+
+def _broken_invariant(network: Network, state: _State) -> str:
+    for location in _locations(network, state.locations):
+        for constraint in location.invariant:
+            if not _compared(state.clocks[constraint.clock], constraint.relation, constraint.bound):
+                return f"the invariant {constraint} of {location.name} does not hold"
+    return ""
+
+
+def _compared(value: Fraction, relation: Relation, bound: Fraction) -> bool:
+    match relation:
+        case Relation.LESS:
+            return value < bound
+        case Relation.AT_MOST:
+            return value <= bound
+        case Relation.AT_LEAST:
+            return value >= bound
+        case Relation.GREATER:
+            return value > bound
+
+
+def _moved(network: Network, state: _State, move: Move) -> str:
+    edges = [(place, network.automata[place].edges[index]) for place, index in move]
+    for place, edge in edges:
+        if state.locations[place] != edge.source:
+            return f"{network.automata[place].name} is somewhere else"
+        if not _enabled(state.clocks, state.values, edge):
+            return f"a guard of {network.automata[place].name} does not hold"
+    if problem := _unfit(network, state, edges):
+        return problem
+    for place, edge in edges:
+        state.locations[place] = edge.target
+        state.clocks.update(dict.fromkeys(edge.resets, Fraction(0)))
+        for assignment in edge.assignments:
+            state.values[assignment.variable] = value_of(assignment.value, state.values)
+    for variable in network.variables:
+        if not variable.least <= state.values[variable.name] <= variable.most:
+            return f"{variable.name} leaves its range"
+    return _broken_invariant(network, state)
+
+
+def _enabled(clocks: Mapping[str, Fraction], values: Mapping[str, int], edge: Edge) -> bool:
+    fits = all(_compared(clocks[each.clock], each.relation, each.bound) for each in edge.guard)
+    return fits and all(holds(test, values) for test in edge.tests)
+
+
+def _unfit(network: Network, state: _State, edges: Sequence[tuple[int, Edge]]) -> str:
+    """Whether the edges go together, and whether a committed location has to be left first."""
+    here = _locations(network, state.locations)
+    committed = {place for place, at in enumerate(here) if at.urgency is Urgency.COMMITTED}
+    if committed and not committed & {place for place, _ in edges}:
+        return "a committed location has to be left first"
+    (_, first), rest = edges[0], edges[1:]
+    if first.synchronisation is None:
+        return "" if not rest else "edges that do not communicate are taken at once"
+    channel = first.synchronisation.channel
+    if not first.synchronisation.sends:
+        return f"nobody sends on {channel}"
+    for _, edge in rest:
+        heard = edge.synchronisation
+        if heard is None or heard.sends or heard.channel != channel:
+            return f"an edge does not receive on {channel}"
+    broadcast = any(each.broadcast for each in network.channels if each.name == channel)
+    if not broadcast:
+        return "" if len(rest) == 1 else f"{channel} joins two"
+    return _left_out(network, state, channel, {place for place, _ in edges})
+
+
+def _left_out(network: Network, state: _State, channel: str, taking_part: set[int]) -> str:
+    """A broadcast takes along everyone who can receive it."""
+    for place, automaton in enumerate(network.automata):
+        for edge in automaton.edges:
+            heard = edge.synchronisation
+            could = heard is not None and not heard.sends and heard.channel == channel
+            if place in taking_part or not could or edge.source != state.locations[place]:
+                continue
+            if _enabled(state.clocks, state.values, edge):
+                return f"{automaton.name} would have to receive {channel}"
+    return ""
+
+
+# -- times ---------------------------------------------------------------------------------------------
+
+
+def earliest(
+    network: Network, moves: Sequence[Move], *, epsilon: Fraction = Fraction(1, 1000)
+) -> Trace | None:
+    """The earliest times at which `moves` can be made one after the other; ``None`` if they cannot.
+
+    Parameters
+    ----------
+    epsilon
+        How far above the infimum the last move may be made if the infimum is not attained, in seconds.
+
+    Examples
+    --------
+    >>> from mitlplan.automata.timed_automaton import Automaton, Edge, Location
+    >>> from mitlplan.automata.transducer import Constraint
+    >>> late = (Constraint("z", Relation.AT_LEAST, Fraction(3, 2)),)
+    >>> walk = Automaton("robot", (Location("here"), Location("there")), (Edge(0, 1, guard=late),))
+    >>> earliest(Network((walk,), clocks=("z",)), [((0, 0),)]).times
+    (Fraction(3, 2),)
+    """
+    program = _Program(network, moves)
+    bottom = program.least(Fraction(0))
+    if bottom is None:
+        return None
+    least = bottom[-1] if bottom else Fraction(0)
+    trace = Trace(tuple(moves), bottom, attained=True, least=least)
+    if execute(network, trace) is None:
+        return trace
+    margin = epsilon / (len(moves) + 1)
+    for _ in range(MOST_HALVINGS):
+        times = program.least(margin)
+        if times is not None:
+            trace = Trace(tuple(moves), times, attained=False, least=least)
+            if execute(network, trace) is None:
+                return trace
+        margin /= 2
+    return None
+
+
+_Row: TypeAlias = tuple[dict[int, int], Fraction, bool]
+"""Coefficients of the delays, an upper bound on their sum, and whether it is strict."""
+
+
+class _Program:
+    """The linear program in the delays before each move."""
+
+    def __init__(self, network: Network, moves: Sequence[Move]) -> None:
+        self._count = len(moves)
+        self._scale = ticks_per_second(network)
+        self._rows: list[_Row] = []
+        self._still: set[int] = set()
+        running: dict[str, list[int]] = {clock: [] for clock in network.clocks}
+        for step, here in enumerate(located(network, moves)):
+            self._invariants(here, running)
+            if step == self._count:
+                break
+            if any(location.urgency is not Urgency.NORMAL for location in here):
+                self._still.add(step)
+            stopped = frozenset[str]().union(*(location.stopped for location in here))
+            for clock, delays in running.items():
+                if clock not in stopped:
+                    delays.append(step)
+            self._invariants(here, running)
+            for place, index in moves[step]:
+                self._bounds(network.automata[place].edges[index].guard, running)
+            for place, index in moves[step]:
+                for clock in network.automata[place].edges[index].resets:
+                    running[clock] = []
+
+    def _invariants(self, here: Sequence[Location], running: Mapping[str, Sequence[int]]) -> None:
+        for location in here:
+            self._bounds(location.invariant, running)
+
+    def _bounds(self, guard: Guard, running: Mapping[str, Sequence[int]]) -> None:
+        for each in guard:
+            strict = each.relation in (Relation.LESS, Relation.GREATER)
+            sign = 1 if each.relation in (Relation.LESS, Relation.AT_MOST) else -1
+            self._rows.append((dict.fromkeys(running[each.clock], sign), sign * each.bound, strict))
+
+    def least(self, margin: Fraction) -> tuple[Fraction, ...] | None:
+        """The times of the moves with the least last one, where strict bounds keep `margin` away."""
+        import numpy as np
+        from scipy import optimize
+        from scipy.sparse import lil_matrix
+
+        linprog: Any = optimize.linprog
+
+        if self._count == 0:
+            return ()
+        matrix = lil_matrix((len(self._rows), self._count))
+        limits = np.zeros(len(self._rows))
+        for number, (coefficients, bound, strict) in enumerate(self._rows):
+            for step, sign in coefficients.items():
+                matrix[number, step] = sign
+            limits[number] = float((bound - margin if strict else bound) * self._scale)
+        ranges = [(0, 0 if step in self._still else None) for step in range(self._count)]
+        # The last move counts most; among equals, every move is made as early as may be.
+        weights = self._count**2 + np.arange(self._count, 0, -1.0)
+        solved = linprog(weights, A_ub=matrix.tocsr(), b_ub=limits, bounds=ranges)
+        if solved.status != 0:
+            return None
+        times: list[Fraction] = []
+        now = Fraction(0)
+        for ticks in solved.x:
+            now += Fraction(max(float(ticks), 0.0)).limit_denominator(LARGEST_DENOMINATOR) / self._scale
+            times.append(now)
+        return tuple(times)
