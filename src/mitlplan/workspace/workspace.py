@@ -105,7 +105,8 @@ class Workspace:
 
     def moves_from(self, cell: int) -> range:
         """The indices of the moves that leave `cell`."""
-        first, last = np.searchsorted(self.source, [cell, cell + 1])
+        # Of the same type as the sources, lest all of them be converted at every call.
+        first, last = np.searchsorted(self.source, np.array((cell, cell + 1), dtype=self.source.dtype))
         return range(int(first), int(last))
 
     def least_time(self, move: int) -> Fraction:
