@@ -197,11 +197,13 @@ def until_repeated(
                 yield edge(source, IDLE, inputs=inputs, guard=guard, at_point=demands)
 
     restless = Restless.NEVER if left.label_alone and right.label_alone else Restless.ALWAYS
+    # Where the end of the mission excuses a claim, its target need never be seen.
+    target = "" if vacuous_at_end else operands.target
     deadline = None
-    if interval.upper is not None:
+    if target and interval.upper is not None:
         deadline = Constraint(window.clock, Relation.AT_MOST, interval.upper)
     waiting_locations = (
-        Location(location, window.up_to_bound(), operands.target, deadline, restless, relief)
+        Location(location, window.up_to_bound(), target, deadline, restless, relief)
         for location, relief in window.reliefs()
     )
     return Transducer(
