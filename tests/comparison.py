@@ -1,8 +1,8 @@
 """The engine, the oracle and the judge on one small mission: what they must agree on.
 
 * Every plan is a walk on the map, ends when it says, and satisfies the mission according to the judge.
-* Where every stay has a given length the oracle is exact: same answer, same least makespan, and an infimum
-  where the oracle needs half a tick. Elsewhere the engine is at least as fast as the oracle.
+* Where every stay has a given length the oracle is exact: same answer, same least makespan, as few moves, and
+  an infimum where the oracle needs half a tick. Elsewhere the engine is at least as fast as the oracle.
 * "Infeasible" only if the oracle finds no plan up to its bound; "limit" never where the oracle finds one.
 """
 
@@ -133,6 +133,11 @@ def signal_of_plan(small: SmallMission, found: Plan) -> Signal:
             return Signal(segments, end, repeat_from=found.steps[loop.start].enter)
 
 
+def _moves(found: Plan) -> int:
+    """The moves up to the makespan, the one that closes a loop included."""
+    return len(found.steps) - (found.loop is None or found.loop.period is None)
+
+
 def _against_oracle(small: SmallMission, found: Plan, answer: Answer) -> Iterator[str]:
     bound = found.makespan if found.bound is None else found.bound
     match answer:
@@ -146,6 +151,8 @@ def _against_oracle(small: SmallMission, found: Plan, answer: Answer) -> Iterato
             proved = bound == found.makespan
             if proved and (found.makespan, found.attained) != (least, attained):
                 yield f"another least makespan: {answer}"
+            elif proved and attained and _moves(found) != answer.moves:
+                yield f"not the fewest moves: {answer}"
             if not bound <= least <= found.makespan:
                 yield f"the least makespan is not where the engine says: {answer}"
         case NoneUpTo(limit) if small.tick_timed:
