@@ -11,10 +11,11 @@ import json
 import os
 import shutil
 import sys
+import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
 from pathlib import Path
@@ -170,7 +171,9 @@ def plan_command(
 
         if output is not None:
             check_writable(output)
+        begin = time.perf_counter()
         read = _read(mission, until, horizon, epsilon)
+        reading = time.perf_counter() - begin
         with _progress_shown() as progress:
             outcome = planner.plan(
                 read,
@@ -179,6 +182,7 @@ def plan_command(
                 memory_limit=memory_limit,
                 progress=progress,
             )
+        outcome = _with_reading(outcome, reading)
         _deliver(_written(outcome, form, to_terminal=output is None), output)
         code = _code(outcome)
     raise typer.Exit(code)
@@ -293,6 +297,11 @@ def _read(
 
 
 # ------------------------------------------------------------------------------------------------ answering
+
+
+def _with_reading(outcome: Outcome, seconds: float) -> Outcome:
+    statistics = outcome.statistics
+    return replace(outcome, statistics=replace(statistics, seconds={"read": seconds, **statistics.seconds}))
 
 
 def _written(outcome: Outcome, form: Form, *, to_terminal: bool) -> str:
