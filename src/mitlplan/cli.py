@@ -122,12 +122,9 @@ def main() -> None:
 
 def _version(wanted: bool) -> None:
     if wanted:
-        from importlib.metadata import PackageNotFoundError, version
+        from mitlplan import __version__
 
-        try:
-            _print(f"mitlplan {version('mitlplan')}\n")
-        except PackageNotFoundError:
-            _print("mitlplan, not installed\n")
+        _print(f"mitlplan {__version__}\n")
         raise typer.Exit(FOUND)
 
 
