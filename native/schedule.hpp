@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <queue>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -64,40 +65,39 @@ inline constexpr Ticks unlimited = std::numeric_limits<Ticks>::max();
 
 /// How late each step of `asked` may happen, the steps before it as `planned`, the later ones free; `unlimited`
 /// where nothing bounds it. Strictness is ignored: the answer is a supremum.
+///
+/// The steps are fixed one after the other. What bounded a step before still does, so bounds only fall, and all that
+/// one more fixed step does is to lower those that lean on it: along most paths none or few.
 inline std::vector<Ticks> latest_times(std::span<const Ticks> planned, std::span<const Difference> differences,
                                        std::span<const std::int32_t> asked) {
     const std::size_t steps = planned.size();
-    // t_from <= t_to - weight: kept by the step that is bounded.
-    std::vector<std::vector<Difference>> bounding(steps);
+    // t_from <= t_to - weight: looked at when t_to has fallen.
+    std::vector<std::vector<Difference>> leaning(steps);
     for (const Difference& difference : differences)
-        bounding[static_cast<std::size_t>(difference.from)].push_back(difference);
-    std::vector<Ticks> result;
-    std::vector<Ticks> latest(steps);
-    for (const std::int32_t step : asked) {
-        const auto first = static_cast<std::size_t>(step);
-        for (std::size_t k = 0; k < first; ++k) latest[k] = planned[k];
-        for (std::size_t k = first; k < steps; ++k) latest[k] = unlimited;
-        bool changed = true;
-        const auto tighten = [&](std::size_t k) {
-            for (const Difference& difference : bounding[k]) {
-                const Ticks other = latest[static_cast<std::size_t>(difference.to)];
-                if (other == unlimited) continue;
-                const Ticks bound = checked_sum(other, -difference.weight);
-                if (bound >= latest[k]) continue;
-                if (bound < planned[k]) throw std::domain_error("the planned times break a constraint");
-                latest[k] = bound;
-                changed = true;
+        leaning[static_cast<std::size_t>(difference.to)].push_back(difference);
+    std::vector<Ticks> latest(steps, unlimited);
+    std::vector<Ticks> free(steps);
+    // The last step first: most bounds come from the step behind.
+    std::priority_queue<std::size_t> fallen;
+    for (std::size_t step = 0; step < steps; ++step) {
+        free[step] = latest[step];
+        if (latest[step] != planned[step]) fallen.push(step);
+        latest[step] = planned[step];
+        while (!fallen.empty()) {
+            const std::size_t lower = fallen.top();
+            fallen.pop();
+            for (const Difference& difference : leaning[lower]) {
+                const auto from = static_cast<std::size_t>(difference.from);
+                const Ticks bound = checked_sum(latest[lower], -difference.weight);
+                if (bound >= latest[from]) continue;
+                if (bound < planned[from]) throw std::domain_error("the planned times break a constraint");
+                latest[from] = bound;
+                fallen.push(from);
             }
-        };
-        // Deadlines bound from behind and longest stays from the front: sweeps both ways carry either through at
-        // once. As planned is always possible, so nothing is left to do once that is the bound.
-        while (changed && latest[first] != planned[first]) {
-            changed = false;
-            for (std::size_t k = first; k < steps; ++k) tighten(k);
-            for (std::size_t k = steps; k-- > first;) tighten(k);
         }
-        result.push_back(latest[first]);
     }
+    std::vector<Ticks> result;
+    for (const std::int32_t step : asked) result.push_back(free[static_cast<std::size_t>(step)]);
     return result;
 }
 
