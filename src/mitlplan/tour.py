@@ -329,13 +329,17 @@ def _ways_from(workspace: Workspace, starts: Sequence[int], through: Core) -> _W
     count = workspace.cell_count
     scale = lcm(*(duration.denominator for duration in workspace.durations))
     ticks = np.array([float(duration * scale) for duration in workspace.durations])[workspace.least]
-    allowed = _where(workspace, through)[workspace.target]
+    where = _where(workspace, through)
+    starts = [start for start in starts if where[start]]
+    if not starts:
+        return _Ways(np.full(count, np.inf), np.full(count, -1, dtype=np.int32), scale)
+    allowed = where[workspace.target]
     # A sparse matrix adds up entries of the same place: of parallel moves only the shortest is to count.
     order = np.lexsort((ticks, workspace.target, workspace.source))
     ends = np.stack([workspace.source, workspace.target])[:, order]
     first = np.append(True, np.any(ends[:, 1:] != ends[:, :-1], axis=0))[: len(order)] & allowed[order]
     graph = csr_array((ticks[order][first], (ends[0, first], ends[1, first])), shape=(count, count))
-    reached, before, _ = dijkstra(graph, indices=list(starts), min_only=True, return_predecessors=True)
+    reached, before, _ = dijkstra(graph, indices=starts, min_only=True, return_predecessors=True)
     return _Ways(reached, before, scale)
 
 
@@ -382,13 +386,15 @@ def _none_is_quick_enough(workspace: Workspace, places: Sequence[_Place], seeker
 def _round_from(workspace: Workspace, home: int, places: Sequence[_Place], seeker: _Seeker) -> _Walk | None:
     """The shortest closed walk from a cell through all labels."""
     others = [visit.label for visit, cells in places if home not in cells]
-    if not others:
-        for move in workspace.moves_from(home):
-            if int(workspace.target[move]) == home:
-                time = workspace.least_time(move)
-                return _Walk(time, ((home, time), (home, Fraction(0))))
-        others = [negate(_HOME)]
-    return seeker.walk(_with_home(workspace, home), (home,), others, _HOME)
+    walk = seeker.walk(_with_home(workspace, home), (home,), others or (negate(_HOME),), _HOME)
+    to_itself = [
+        workspace.least_time(move)
+        for move in workspace.moves_from(home)
+        if int(workspace.target[move]) == home
+    ]
+    if others or not to_itself or (walk is not None and walk.time <= min(to_itself)):
+        return walk
+    return _Walk(min(to_itself), ((home, min(to_itself)), (home, Fraction(0))))
 
 
 def _joint(

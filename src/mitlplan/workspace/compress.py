@@ -62,7 +62,7 @@ class Compressed:
         then
             The cell that follows the last stay; ``None`` if none does.
         """
-        following = [*(cell for cell, _ in stays[1:]), then]
+        following = [*(cell for cell, _ in stays), then][1:]
         return [
             stay
             for (cell, duration), after in zip(stays, following, strict=True)
