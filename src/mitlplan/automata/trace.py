@@ -73,6 +73,38 @@ def _locations(network: Network, at: Sequence[int]) -> tuple[Location, ...]:
     return tuple(each.locations[index] for each, index in zip(network.automata, at, strict=True))
 
 
+def stays(
+    network: Network, trace: Trace, place: int, cells: Sequence[int | None]
+) -> tuple[tuple[int, Fraction], ...]:
+    """The cells through which an automaton goes, and when it enters them.
+
+    Parameters
+    ----------
+    place
+        The index of the automaton that stands for the robot.
+    cells
+        For each of its locations the cell, or ``None``.
+
+    Examples
+    --------
+    >>> from mitlplan.automata.timed_automaton import Automaton, Edge, Location
+    >>> robot = Automaton("robot", (Location("a"), Location("b")), (Edge(0, 1),))
+    >>> stays(Network((robot,)), Trace((((0, 0),),), (Fraction(2),)), 0, (4, 7))
+    ((4, Fraction(0, 1)), (7, Fraction(2, 1)))
+    """
+    entered: list[tuple[int, Fraction]] = []
+    automaton = network.automata[place]
+    first = cells[automaton.initial]
+    if first is not None:
+        entered.append((first, Fraction(0)))
+    for move, time in zip(trace.moves, trace.times, strict=True):
+        for mover, index in move:
+            cell = cells[automaton.edges[index].target] if mover == place else None
+            if cell is not None and (not entered or entered[-1][0] != cell):
+                entered.append((cell, time))
+    return tuple(entered)
+
+
 # -- execution -----------------------------------------------------------------------------------------
 
 

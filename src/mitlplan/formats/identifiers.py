@@ -20,7 +20,8 @@ def identifiers(names: Iterable[str], reserved: AbstractSet[str] = frozenset()) 
     taken = set(reserved)
     found: dict[str, str] = {}
     for name in names:
-        base = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in name)
+        plain = name.replace("[", "_").replace("]", "")
+        base = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in plain)
         if not base[:1].isalpha():
             base = f"l{base}"
         candidate, number = base, 2

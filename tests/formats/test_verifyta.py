@@ -1,0 +1,291 @@
+"""The answers of UPPAAL's verifier are understood in all its spellings, and believed only after a check."""
+
+from __future__ import annotations
+
+import stat
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from mitlplan.automata.lockstep import Lockstep, lockstep
+from mitlplan.automata.timed_automaton import Network
+from mitlplan.automata.trace import Trace, execute, stays
+from mitlplan.errors import ToolError
+from mitlplan.formats.identifiers import with_identifiers
+from mitlplan.formats.uppaal import KEYWORDS, bounds, comparison, update
+from mitlplan.formats.verifyta import (
+    VARIABLE,
+    Spurious,
+    Unreachable,
+    Verdict,
+    fastest_trace,
+    find_verifyta,
+    read_moves,
+    read_verdict,
+)
+from mitlplan.logic.normalize import normalize
+from mitlplan.logic.parse import parse
+from mitlplan.translation.seed.published_network import PublishedModel, published_model
+from mitlplan.translation.seed.repaired import translate
+from tests.oracles.published_reach import Reached, reach
+from tests.translation.seed.paper import PHI, ring
+from tests.translation.seed.test_repaired import network, paper_map
+
+OLD = """\
+Options for the verification:
+  Generating fastest trace
+  Search order is breadth first
+  Using conservative space optimisation
+  Seed is 1442480410
+  State space representation uses minimal constraint systems
+
+Verifying property 1 at line 1
+ -- Property is satisfied.
+Showing example trace.
+
+State:
+( sys.loc0 )
+t=0 z[0]=0 z[1]=0 z[2]=0 z[3]=0 z[4]=0 z[5]=0 z[6]=0 z[7]=0
+
+Delay: 1
+
+State:
+( sys.loc0 )
+t=1 z[0]=1 z[1]=1 z[2]=1 z[3]=1 z[4]=1 z[5]=1 z[6]=1 z[7]=1
+
+Transitions:
+  sys.loc0->sys.loc2 { z[7] >= 1 && z[2] > 0 && z[3] > 0, tau, z[2] := 0, z[3] := 0, z[7] := 0 }
+
+State:
+( sys.loc2 )
+t=1 z[0]=1 z[1]=1 z[2]=0 z[3]=0 z[4]=1 z[5]=1 z[6]=1 z[7]=0
+
+Delay: 1
+
+State:
+( sys.loc2 )
+t=2 z[0]=2 z[1]=2 z[2]=1 z[3]=1 z[4]=2 z[5]=2 z[6]=2 z[7]=1
+
+Transitions:
+  sys.loc2->sys.loc7 { z[7] >= 1 && z[2] > 0 && z[3] > 0 && z[6] > 0, tau, z[2] := 0, z[3] := 0 }
+
+Delay: 1
+
+Transitions:
+  sys.loc7->sys.loc6_b { z[7] >= 1 && z[0] > 0 && z[1] > 0 && z[3] > 0, tau, z[0] := 0, z[1] := 0 }
+
+Transitions:
+  sys.loc6_b->sys.final { 1, tau, 1 }
+
+State:
+( sys.final )
+t=3 z[0]=0 z[1]=0 z[2]=1 z[3]=0 z[4]=3 z[5]=3 z[6]=1 z[7]=0
+"""
+
+NEW = """\
+Options for the verification:
+  Generating fastest trace
+  Search order is breadth first
+  Using conservative space optimisation
+  Seed is 1718093511
+  State space representation uses minimal constraint systems with future testing
+  Using HashMap + Compress integers for discrete state storage
+
+Verifying formula 1 at model.q:1
+ -- Formula is satisfied.
+Showing example trace.
+
+State
+( sys.loc19 sys1.wait sys0.loc28 )
+t=0 z[7]=0
+
+Delay: 1
+
+Transition: sys.loc19->sys.loc3 {z[7] >= 1 && z[2] >= 0 && z[0] > 0; tau; z[0] = 0, z[7] = 0;}
+
+State
+( sys.loc3 sys1.wait sys0.loc28 )
+t=1 z[7]=0
+
+Delay: 1
+
+Transition: sys1.wait->sys1.final {1; ch?; ;} sys.loc3->sys.loc7 {z[7] >= 1; ch!; z[0] = 0, z[7] = 0;}
+
+State
+( sys.loc7 sys1.final sys0.loc28 )
+t=2 z[7]=0
+
+Transition: sys0.loc28->sys0.loc22_b {1; tau; z[2] = 0;}
+
+Transition: sys0.loc22_b->sys0.final {1; tau; ;}
+"""
+
+
+def phi(number: int) -> PublishedModel:
+    return published_model(PHI[f"phi{number}"], ring())
+
+
+@pytest.mark.parametrize(
+    ("text", "verdict"),
+    [
+        (OLD, Verdict.YES),
+        (NEW, Verdict.YES),
+        ("\x1b[2K -- Formula is satisfied.\n", Verdict.YES),
+        (" -- Property is NOT satisfied.", Verdict.NO),
+        (" -- Formula is NOT satisfied.", Verdict.NO),
+        (" -- Formula MAY be satisfied.", Verdict.MAYBE),
+    ],
+)
+def test_the_verdict_in_both_spellings(text: str, verdict: Verdict) -> None:
+    assert read_verdict(text) is verdict
+
+
+def names(own: Network, moves: list[tuple[tuple[int, int], ...]]) -> list[list[str]]:
+    shown = []
+    for move in moves:
+        edges = [(own.automata[place], own.automata[place].edges[index]) for place, index in move]
+        shown.append(
+            [
+                f"{each.name}.{each.locations[e.source].name}->{each.locations[e.target].name}"
+                for each, e in edges
+            ]
+        )
+    return shown
+
+
+def test_a_trace_in_the_old_spelling() -> None:
+    own = phi(1).network
+    assert names(own, read_moves(OLD, own)) == [
+        ["sys.loc0->loc2"],
+        ["sys.loc2->loc7"],
+        ["sys.loc7->loc6_b"],
+        ["sys.loc6_b->final"],
+    ]
+
+
+def test_a_trace_in_the_new_spelling_with_the_sender_first() -> None:
+    own = phi(2).network
+    assert names(own, read_moves(NEW, own)) == [
+        ["sys.loc19->loc3"],
+        ["sys.loc3->loc7", "sys1.wait->final"],
+        ["sys0.loc28->loc22_b"],
+        ["sys0.loc22_b->final"],
+    ]
+
+
+@pytest.mark.parametrize(
+    ("trace", "problem"),
+    [
+        ("Transitions:\n  robot.a->robot.b { }\n", r"speaks of robot.a->robot.b, which is not in the model"),
+        (
+            "Transitions:\n  sys.loc0->sys.loc9_b { }\n",
+            "takes sys.loc0->loc9_b, which the model does not have",
+        ),
+    ],
+)
+def test_edges_that_are_not_there(trace: str, problem: str) -> None:
+    with pytest.raises(ToolError, match=problem):
+        read_moves(trace, phi(1).network)
+
+
+def pretended(folder: Path, *, output: str = "", errors: str = "", seconds: float = 0, code: int = 0) -> Path:
+    """A program that says what was recorded."""
+    program = folder / "verifyta"
+    program.write_text(
+        f"#!{sys.executable}\nimport sys, time\ntime.sleep({seconds})\n"
+        f"assert sys.argv[1:3] == ['-t', '2'] and open(sys.argv[4]).read().startswith('E<> ')\n"
+        f"sys.stdout.write({output!r})\nsys.stderr.write({errors!r})\nsys.exit({code})\n"
+    )
+    program.chmod(program.stat().st_mode | stat.S_IXUSR)
+    return program
+
+
+def split(recorded: str) -> tuple[str, str]:
+    """What goes to stdout, and the trace, which goes to stderr."""
+    options, _, trace = recorded.partition("Showing example trace.\n")
+    return options, f"Showing example trace.\n{trace}"
+
+
+@pytest.mark.parametrize(("number", "recorded", "least"), [(1, OLD, 3), (2, NEW, 2)])
+@pytest.mark.parametrize("together", [False, True])
+def test_the_fastest_trace_gets_exact_times(
+    number: int, recorded: str, least: int, together: bool, tmp_path: Path
+) -> None:
+    output, errors = (recorded, "") if together else split(recorded)
+    model = phi(number)
+    verifyta = pretended(tmp_path, output=output, errors=errors)
+    trace = fastest_trace(model.network, model.query, verifyta=verifyta)
+    assert isinstance(trace, Trace)
+    assert (trace.times[-1], trace.attained) == (least, True)
+    assert execute(model.network, trace) is None
+    cells = [cell for cell, _ in stays(model.network, trace, 0, model.cells)]
+    assert cells == ([0, 1, 0, 3] if number == 1 else [0, 3, 0])
+
+
+def test_an_unreachable_target_and_a_trace_that_is_none(tmp_path: Path) -> None:
+    model = phi(1)
+    unreachable = pretended(tmp_path, output=" -- Formula is NOT satisfied.\n")
+    assert fastest_trace(model.network, model.query, verifyta=unreachable) == Unreachable()
+    skipped = OLD.replace("  sys.loc0->sys.loc2", "  sys.loc2->sys.loc1")
+    spurious = pretended(tmp_path, output=skipped.replace("is satisfied", "MAY be satisfied"))
+    assert fastest_trace(model.network, model.query, verifyta=spurious) == Spurious()
+
+
+def test_failures_are_told_in_a_sentence(tmp_path: Path) -> None:
+    model = phi(1)
+
+    def problem(verifyta: Path, time_limit: float | None = None) -> str:
+        with pytest.raises(ToolError) as caught:
+            fastest_trace(model.network, model.query, verifyta=verifyta, time_limit=time_limit)
+        return str(caught.value)
+
+    licence = pretended(tmp_path, errors="Licence expired\nPlease renew.\n", code=1)
+    assert problem(licence) == "verifyta gave no verdict: Please renew."
+    assert problem(pretended(tmp_path)) == "verifyta gave no verdict: it said nothing at all"
+    assert problem(pretended(tmp_path, seconds=9), 0.2) == "verifyta was stopped after 0.2 s"
+    assert problem(tmp_path / "nothing").endswith("cannot be run: No such file or directory")
+
+
+def test_where_the_program_is(tmp_path: Path) -> None:
+    program = pretended(tmp_path)
+    assert find_verifyta({"PATH": str(tmp_path)}) == program
+    assert find_verifyta({VARIABLE: str(program), "PATH": ""}) == program
+    with pytest.raises(ToolError, match=r"UPPAAL comes from https://uppaal.org .* leave out --engine uppaal"):
+        find_verifyta({"PATH": ""})
+    with pytest.raises(ToolError, match="MITLPLAN_VERIFYTA names /nowhere, which cannot be run"):
+        find_verifyta({VARIABLE: "/nowhere", "PATH": str(tmp_path)})
+
+
+def spelled(own: Network, found: Reached) -> str:
+    """A trace as the verifier would print it."""
+    lines = [" -- Formula is satisfied.", "Showing example trace.", "State:"]
+    for _, move in found.trace:
+        lines.append("Transitions:")
+        for place, index in move:
+            each = own.automata[place]
+            edge = each.edges[index]
+            ends = [f"{each.name}.{each.locations[end].name}" for end in (edge.source, edge.target)]
+            guard = " && ".join([*bounds(edge.guard, 1), *map(comparison, edge.tests)]) or "1"
+            done = ", ".join([*(f"{clock} := 0" for clock in edge.resets), *map(update, edge.assignments)])
+            lines.append(
+                f"  {ends[0]}->{ends[1]} {{ {guard}, {edge.synchronisation or 'tau'}, {done or 1} }}"
+            )
+    return "\n".join(lines)
+
+
+def stepped(text: str) -> Lockstep:
+    core = normalize(parse(text), "standard", horizon="infinite")
+    own = network(paper_map(waiting=False), 0, translate(core))
+    return lockstep(own, ["pos0", "pos1", "pos2", "pos3"], parkings=False)
+
+
+@pytest.mark.parametrize("text", ["(!A U B) & F A", "F[0,4] A & F[1,2] B", "G[0,3] !A & F B"])
+def test_like_edges_are_told_apart(text: str) -> None:
+    own = stepped(text)
+    found = reach(own.network, own.query, latest=Fraction(6))
+    assert found is not None
+    renamed, _ = with_identifiers(own.network, own.query, KEYWORDS)
+    moves = read_moves(spelled(renamed, found), own.network)
+    assert moves == [move for _, move in found.trace]
