@@ -1,0 +1,407 @@
+"""The commands `trajectory` and `draw`: from a mission or a plan to what a robot drives, and to a picture.
+
+Both read the mission, take the plan from a file or find it, and follow it; they differ in what they write.
+As everywhere results go to stdout and sentences to stderr, and the exit code is 1 or 3 where there is no
+plan. What is said of the robot and of how it is driven is the same for both: ``--robot speed=1/2 --drive
+turn=arc``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mitlplan.errors import MitlplanError, OutputError, TrajectoryError
+
+if TYPE_CHECKING:
+    from mitlplan.mission import Mission
+    from mitlplan.plan import Plan
+    from mitlplan.trajectory import Trajectory
+
+Reported = Callable[[], AbstractContextManager[None]]
+
+_NONE, _BAD_INPUT, _LIMIT = 1, 2, 3
+
+_ROBOT_KEYS = ("speed", "turn_rate", "acceleration", "turn_acceleration", "radius", "heading")
+_DRIVE_KEYS = (
+    "turn",
+    "u_turn",
+    "profile",
+    "waiting",
+    "reverse",
+    "linear_weight",
+    "angular_weight",
+    "stop_time",
+    "retime",
+    "deadline",
+)
+
+
+class TrajectoryForm(str, Enum):
+    """How a trajectory is written."""
+
+    csv = "csv"
+    json = "json"
+    sqlite3 = "sqlite3"
+    mcap = "mcap"
+
+
+class Shown(str, Enum):
+    """What is drawn."""
+
+    map = "map"
+    plan = "plan"
+    trajectory = "trajectory"
+
+
+def _step_option(text: str | None) -> str | None:
+    from mitlplan.exact import exact
+
+    if text is not None:
+        try:
+            if exact(text) == 0:
+                raise typer.BadParameter("a positive number is expected, such as 1/20")
+        except ValueError as error:
+            raise typer.BadParameter(str(error)) from None
+    return text
+
+
+MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")]
+PlanFile = Annotated[
+    Path | None,
+    typer.Argument(
+        metavar="PLAN.json", help="A plan for it, as plan --format json writes it; else one is found."
+    ),
+]
+RobotOptions = Annotated[
+    list[str] | None,
+    typer.Option("--robot", metavar="KEY=VALUE", help=f"What the robot can do: {', '.join(_ROBOT_KEYS)}."),
+]
+DriveOptions = Annotated[
+    list[str] | None,
+    typer.Option("--drive", metavar="KEY=VALUE", help=f"How it is driven: {', '.join(_DRIVE_KEYS)}."),
+]
+
+
+def register(app: typer.Typer, reported: Reported | None = None) -> None:
+    """Add the commands to `app`.
+
+    Parameters
+    ----------
+    app
+        The command line.
+    reported
+        Turns errors into sentences and exit codes; by default only those that a user can meet.
+    """
+    reporting = _reported if reported is None else reported
+
+    @app.command("trajectory")
+    def trajectory_command(
+        mission: MissionFile,
+        plan: PlanFile = None,
+        form: Annotated[
+            TrajectoryForm,
+            typer.Option("--format", help="How it is written; sqlite3 and mcap are ROS 2 bags."),
+        ] = TrajectoryForm.csv,
+        output: Annotated[
+            Path | None,
+            typer.Option("--output", "-o", metavar="FILE", help="Write here instead of to stdout."),
+        ] = None,
+        step: Annotated[
+            str, typer.Option(metavar="SECONDS", callback=_step_option, help="Between two samples.")
+        ] = "1/20",
+        until: Annotated[
+            str | None,
+            typer.Option(
+                metavar="SECONDS", callback=_step_option, help="How long to follow a plan that goes round."
+            ),
+        ] = None,
+        frame: Annotated[str, typer.Option(help="The coordinate frame named in a bag.")] = "map",
+        robot: RobotOptions = None,
+        drive: DriveOptions = None,
+    ) -> None:
+        """Follow a plan: time, pose and controls of a robot that is in its cells when the plan says so."""
+        with reporting():
+            wishes = _wishes(robot or (), drive or ())
+            bag = form in (TrajectoryForm.sqlite3, TrajectoryForm.mcap)
+            _check_output(output, needed="a bag is a folder; name it with --output" if bag else "")
+            read, found = _planned(mission, plan)
+            found, driven = _driven(read, found, wishes)
+            writing = _Writing(form, Fraction(step), None if until is None else Fraction(until), frame)
+            _write_trajectory(driven, found, writing, output)
+
+    @app.command("draw")
+    def draw_command(
+        mission: MissionFile,
+        plan: PlanFile = None,
+        output: Annotated[
+            Path,
+            typer.Option("--output", "-o", metavar="FILE", help="An svg, png or pdf, or a gif that moves."),
+        ] = Path("plan.svg"),
+        shown: Annotated[Shown, typer.Option("--show", help="What is drawn on the map.")] = Shown.trajectory,
+        title: Annotated[str, typer.Option(help="Written above the map.")] = "",
+        robot: RobotOptions = None,
+        drive: DriveOptions = None,
+    ) -> None:
+        """Draw the map with its regions, and the plan or the trajectory on it."""
+        with reporting():
+            wishes = _wishes(robot or (), drive or ())
+            _check_output(output, needed="")
+            kind = _picture_kind(output, shown)
+            output_bytes = _drawn(mission, plan, kind, shown, title, wishes)
+            _write_bytes(output, output_bytes)
+
+
+# -------------------------------------------------------------------------------------------------- wishes
+
+
+@dataclass(frozen=True, slots=True)
+class _Wishes:
+    """What was said of the robot and of how it is driven, checked to be keys that there are."""
+
+    robot: Mapping[str, str]
+    drive: Mapping[str, str]
+
+    def exact(self, name: str) -> Fraction | None:
+        """The number of that name, exactly."""
+        from mitlplan.exact import exact
+
+        text = self.robot.get(name, self.drive.get(name))
+        if text is None:
+            return None
+        try:
+            return exact(text)
+        except ValueError as error:
+            raise TrajectoryError(f"{name}: {error}") from None
+
+    def angle(self, name: str) -> float | None:
+        """The number of that name, as a float of any sign."""
+        text = self.robot.get(name)
+        try:
+            return None if text is None else float(text)
+        except ValueError:
+            raise TrajectoryError(f"{name}: {text} is not a number of radians, such as -1.57") from None
+
+    def choice(self, name: str, kind: type[Enum]) -> Any:
+        """The member of `kind` whose name was given; ``None`` if none was."""
+        text = self.drive.get(name)
+        if text is None:
+            return None
+        members = {member.name.lower().replace("_", "-"): member for member in kind}
+        if text not in members:
+            raise TrajectoryError(f"{name}: {text} is none of {', '.join(members)}")
+        return members[text]
+
+    def wanted(self, name: str) -> bool:
+        """Whether that is wanted: ``true`` or ``yes``, or ``false`` or ``no``."""
+        text = self.drive.get(name, "false")
+        if text not in ("true", "yes", "false", "no"):
+            raise TrajectoryError(f"{name}: {text} is neither true nor false")
+        return text in ("true", "yes")
+
+
+def _wishes(robot: Sequence[str], drive: Sequence[str]) -> _Wishes:
+    return _Wishes(_pairs("--robot", robot, _ROBOT_KEYS), _pairs("--drive", drive, _DRIVE_KEYS))
+
+
+def _pairs(option: str, texts: Sequence[str], known: Sequence[str]) -> Mapping[str, str]:
+    from mitlplan.workspace.names import advise
+
+    found = {}
+    for text in texts:
+        key, sign, value = (part.strip() for part in text.partition("="))
+        if key not in known:
+            raise TrajectoryError(f"{option} {text}: there is no {key}; {advise(key, known, 'keys')}")
+        if not sign or not value:
+            raise TrajectoryError(f"{option} {text}: write {key}=VALUE")
+        found[key] = value
+    return found
+
+
+# ------------------------------------------------------------------------------------------------- driving
+
+
+def _planned(mission: Path, plan: Path | None) -> tuple[Mission, Plan]:
+    """The mission, and the plan of the file or one that is found for it."""
+    from mitlplan.check import check
+    from mitlplan.errors import PlanFileError
+    from mitlplan.formats.plan_json import read_plan
+    from mitlplan.mission import read
+    from mitlplan.plan import Infeasible, LimitReached
+    from mitlplan.plan import Plan as FoundPlan
+    from mitlplan.planner import plan as find
+
+    found = read(mission)
+    outcome = find(found) if plan is None else read_plan(plan)
+    match outcome:
+        case FoundPlan():
+            fault = None if plan is None else check(found, outcome)
+            if fault is not None:
+                raise PlanFileError(f"{plan}: the plan is not one for this mission: {fault}")
+            return found, outcome
+        case Infeasible(reason=reason):
+            _say(f"no plan: {reason}")
+            raise typer.Exit(_NONE)
+        case LimitReached(reason=reason):
+            _say(f"no plan found: {reason}")
+            raise typer.Exit(_LIMIT)
+
+
+def _driven(mission: Mission, plan: Plan, wishes: _Wishes) -> tuple[Plan, Trajectory]:
+    """The trajectory, and the plan that it follows, which is another one if it was retimed."""
+    from mitlplan.check import check
+    from mitlplan.trajectory import Driving, Profile, Style, Waiting, Weights, follow, retime, spans_of
+
+    weights = [wishes.exact(f"{name}_weight") for name in ("linear", "angular")]
+    if 0 in weights:
+        raise TrajectoryError("the weights of speed and turn rate are positive numbers")
+    driving = Driving(
+        weights=Weights(*(1.0 if weight is None else float(weight) for weight in weights)),
+        turn=wishes.choice("turn", Style),
+        u_turn=wishes.choice("u_turn", Style),
+        profile=wishes.choice("profile", Profile) or Profile.EVEN,
+        reverse=wishes.wanted("reverse"),
+    )
+    waiting = wishes.choice("waiting", Waiting) or Waiting.ENTRY
+    robot, heading = _robot(wishes), wishes.angle("heading")
+    if wishes.wanted("retime"):
+        spans = spans_of(plan, mission.workspace, robot=robot, driving=driving, heading=heading)
+        plan = retime(plan, spans, lambda slower: check(mission, slower) is None, wishes.exact("deadline"))
+        waiting = Waiting.SLOW
+    elif "deadline" in wishes.drive:
+        raise TrajectoryError("a deadline is for --drive retime=true; the plan keeps its times otherwise")
+    trajectory = follow(
+        plan,
+        mission.workspace,
+        robot=robot,
+        driving=driving,
+        waiting=waiting,
+        heading=heading,
+        stop_time=wishes.exact("stop_time"),
+    )
+    return plan, trajectory
+
+
+def _robot(wishes: _Wishes) -> Any:
+    from mitlplan.trajectory import Robot
+
+    return Robot(
+        speed=wishes.exact("speed"),
+        turn_rate=wishes.exact("turn_rate"),
+        acceleration=wishes.exact("acceleration"),
+        turn_acceleration=wishes.exact("turn_acceleration"),
+        radius=wishes.exact("radius") or Fraction(0),
+    )
+
+
+# ------------------------------------------------------------------------------------------------- writing
+
+
+@dataclass(frozen=True, slots=True)
+class _Writing:
+    """How a trajectory is written."""
+
+    form: TrajectoryForm
+    step: Fraction
+    until: Fraction | None
+    frame: str
+
+
+def _write_trajectory(trajectory: Trajectory, plan: Plan, writing: _Writing, output: Path | None) -> None:
+    from mitlplan.formats.output import write_whole
+
+    try:
+        match writing.form:
+            case TrajectoryForm.csv:
+                from mitlplan.formats.trajectory_csv import trajectory_to_csv
+
+                text = trajectory_to_csv(trajectory, writing.step, writing.until)
+            case TrajectoryForm.json:
+                from mitlplan.formats.trajectory_json import trajectory_to_json
+
+                text = trajectory_to_json(trajectory, writing.step, writing.until)
+            case TrajectoryForm.sqlite3 | TrajectoryForm.mcap:
+                from mitlplan.formats.ros import Storage, write_bag
+
+                assert output is not None
+                storage = Storage(writing.form.value)
+                write_bag(
+                    output,
+                    trajectory,
+                    plan,
+                    writing.step,
+                    storage=storage,
+                    frame=writing.frame,
+                    until=writing.until,
+                )
+                return
+    except ValueError as error:
+        raise OutputError(str(error)) from None
+    if output is None:
+        typer.echo(text, nl=False)
+    else:
+        write_whole(output, text)
+
+
+def _picture_kind(output: Path, shown: Shown) -> str:
+    kind = output.suffix.removeprefix(".").lower()
+    if kind not in ("svg", "png", "pdf", "gif"):
+        raise OutputError(f"cannot draw {output}: its name ends in .svg, .png or .pdf, or in .gif to move")
+    if kind == "gif" and shown is not Shown.trajectory:
+        raise OutputError(f"cannot draw {output}: only a trajectory moves; leave --show away or draw a png")
+    return kind
+
+
+def _drawn(mission: Path, plan: Path | None, kind: Any, shown: Shown, title: str, wishes: _Wishes) -> bytes:
+    from mitlplan.mission import read
+
+    try:
+        from mitlplan.draw import animation, picture, rendered
+    except ImportError:
+        raise OutputError("pictures need the package matplotlib: pip install 'mitlplan[draw]'") from None
+    if shown is Shown.map:
+        return rendered(picture(read(mission).workspace, title=title), kind)
+    found, planned = _planned(mission, plan)
+    if shown is Shown.plan:
+        return rendered(picture(found.workspace, planned, title=title), kind)
+    planned, driven = _driven(found, planned, wishes)
+    if kind == "gif":
+        radius = wishes.exact("radius")
+        return animation(found.workspace, driven, radius=float(radius) if radius else None, title=title)
+    return rendered(picture(found.workspace, planned, driven, title=title), kind)
+
+
+def _check_output(output: Path | None, *, needed: str) -> None:
+    from mitlplan.formats.output import check_writable
+
+    if output is not None:
+        check_writable(output)
+    elif needed:
+        raise OutputError(needed)
+
+
+def _write_bytes(output: Path, data: bytes) -> None:
+    try:
+        output.write_bytes(data)
+    except OSError as error:
+        raise OutputError(f"cannot write {output}: {error.strerror}") from None
+
+
+def _say(message: str) -> None:
+    typer.echo(message, err=True)
+
+
+@contextmanager
+def _reported() -> Iterator[None]:
+    try:
+        yield
+    except MitlplanError as error:
+        _say(f"mitlplan: {error}")
+        raise typer.Exit(_BAD_INPUT) from None
