@@ -7,7 +7,6 @@
 #pragma once
 
 #include <array>
-#include <cassert>
 
 #include "tables.hpp"
 #include "zone.hpp"
@@ -15,6 +14,14 @@
 namespace mitlplan {
 
 inline constexpr Index stands_still = -1;
+
+namespace detail {
+
+[[noreturn, gnu::cold, gnu::noinline]] inline void throw_inactive() {
+    throw std::invalid_argument("the tables of the network are damaged: a guard reads a clock that is not active");
+}
+
+}  // namespace detail
 
 /// The clocks of a state, ascending, with clock 0 first, and their bounds for extrapolation.
 struct ActiveClocks {
@@ -123,7 +130,8 @@ public:
     bool constrain(std::span<Bound> zone, const ActiveClocks& clocks, Index guard) const {
         for (const Constraint& constraint : tables_.guards[guard]) {
             const int position = clocks.position(constraint.clock);
-            assert(position != none);
+            // Whether the bounds of the locations name every clock that is read there shows only here.
+            if (position == none) detail::throw_inactive();
             const int i = constraint.upper ? position : 0;
             const int j = constraint.upper ? 0 : position;
             if (!dbm::constrain(zone, clocks.dimension(), i, j, constraint.bound)) return false;

@@ -23,6 +23,10 @@ using Index = std::int32_t;
 
 inline constexpr Index none = -1;
 
+/// More than any formula makes: zones are quadratic in the clocks, and the recursion is as deep as the components.
+inline constexpr Index clock_limit = 1 << 14;
+inline constexpr Index component_limit = 1 << 12;
+
 /// How a step goes on: by an open phase, not at all, or by a label that never changes again.
 enum class StepKind : Index { move = 0, ending = 1, parking = 2 };
 inline constexpr std::size_t step_kinds = 3;
@@ -144,6 +148,7 @@ inline void Tables::validate() const {
     using detail::rises;
     using detail::within;
     demand(clocks >= 1 && words >= 1, "no clock or no signal");
+    demand(clocks <= clock_limit, "too many clocks");
     const auto clock_count = static_cast<std::size_t>(clocks);
     const auto is_clock = [&](Index clock) { return clock > 0 && within(clock, clock_count); };
     demand(time_clock == none || is_clock(time_clock), "the objective is no clock");
@@ -160,7 +165,9 @@ inline void Tables::validate() const {
     const std::size_t sets = signals.size() / static_cast<std::size_t>(words);
     demand(component_start.size() >= 2, "no component");
     demand(rises(component_start, component_start.size() - 1, locations.size()), "components");
-    demand(component_start[1] > 0, "the driver has no location");
+    demand(components() <= component_limit, "too many components");
+    for (std::size_t component = 0; component + 1 < component_start.size(); ++component)
+        demand(component_start[component] < component_start[component + 1], "a component without a location");
     demand(parkable.size() == static_cast<std::size_t>(driver_locations()), "parkable");
     demand(distances.size() % static_cast<std::size_t>(driver_locations()) == 0, "distances");
     for (const auto& location : locations) {
