@@ -1,12 +1,12 @@
 """Looping plans: the least prefix and cycle that satisfy the mission for ever.
 
-The makespan of a loop is that of the robot's signal, not of the automata that watch it: they may need several rounds to
-settle. So three things are put together. A *lower bound*: whatever the loop ever shows it has shown once when its
-first round ends, hence a relaxed mission, without bounds and without "again", is accomplished by then. *Lassos* of the
-zone graph, timed exactly and folded to the shortest prefix and cycle with the same signal: they prove that there is a loop,
-or that there is none. *Walks* of the robot in order of their duration, each closed wherever it comes back to a cell and
-put to the judge: the first that passes is the fastest. Walks stop at the best lasso, or when their number
-does; the answer then carries the bound that was reached.
+The makespan of a loop is that of the robot's signal, not of the automata that watch it: they may need several
+rounds to settle. So three things are put together. A *lower bound*: whatever the loop ever shows it has shown
+once when its first round ends, hence a relaxed mission, without bounds and without "again", is accomplished
+by then. *Lassos* of the zone graph, timed exactly and folded to the shortest prefix and cycle with the same
+signal: they prove that there is a loop, or that there is none. *Walks* of the robot in order of duration, each
+closed wherever it comes back to a cell and put to the judge: the first that passes is the fastest. Walks stop
+at the best lasso, or when their number does; the answer then carries the bound that was reached.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from heapq import heappop, heappush
-from itertools import islice
+from itertools import islice, pairwise
 from typing import Literal as Choice
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,8 +46,15 @@ FEW_CELLS = 64
 WALKS = 4_000
 """How many walks are looked at before the best loop known is taken."""
 
+EFFORTS = ((300, 20_000), (WALKS, None))
+"""Where no loop is known: how many walks, then how many states of the zone graph; then more of both."""
+
 HOPELESSLY_MANY = 300_000
 """If so many walks end before any loop can, none is looked at."""
+
+
+Rival: TypeAlias = tuple[Fraction, int]
+"""What a loop has to beat: a makespan, in seconds, and a number of moves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +78,11 @@ class Round:
         return sum((stay.duration for stay in (*self.prefix, *self.cycle)), Fraction(0))
 
     @property
+    def rival(self) -> Rival:
+        """What another loop has to beat."""
+        return self.makespan, self.moves
+
+    @property
     def moves(self) -> int:
         """The number of moves in the prefix and one round."""
         return len(self.prefix) + len(self.cycle)
@@ -87,8 +100,7 @@ def fold(prefix: Sequence[Stay], cycle: Sequence[Stay]) -> Round:
     shortest = next(
         length
         for length in range(1, len(cycle) + 1)
-        if len(cycle) % length == 0
-        and all(cycle[k] == cycle[k - length] for k in range(length, len(cycle)))
+        if len(cycle) % length == 0 and all(cycle[k] == cycle[k - length] for k in range(length, len(cycle)))
     )
     before, again = list(prefix), list(cycle[:shortest])
     while before and before[-1] == again[-1]:
@@ -144,16 +156,21 @@ def fastest_walk(
     until: Choice["standard", "closed"],
     tick: Fraction,
     above: Fraction,
-    below: Fraction | None,
+    below: Rival | None,
+    limits: Limits,
+    most: int = WALKS,
 ) -> Walks:
-    """The fastest loop by trying walks in order of their duration.
+    """The fastest loop by trying walks in order of their duration, then of their moves.
 
     Parameters
     ----------
     tick
         Where the length of a stay is free, it is tried in steps of this, in seconds.
     above, below
-        Loops whose first round ends before `above`, or not before `below`, are of no interest, in seconds.
+        Of no interest are loops whose first round ends before `above`, in seconds, or that do not beat
+        `below`.
+    most
+        How many walks are looked at.
     """
     if _many_walks(workspace, start, tick, above):
         return Walks(None, above)
@@ -163,8 +180,8 @@ def fastest_walk(
     looked_at = 0
     while queue:
         at = heappop(queue)
-        if below is not None and at.time >= below:
-            return Walks(None, below)
+        if below is not None and (at.time, at.moves) >= below:
+            return Walks(None, below[0])
         if at.walk_on is not None:
             # The same move after a stay one tick longer.
             assert at.before is not None
@@ -174,7 +191,7 @@ def fastest_walk(
             if longer is not None:
                 heappush(queue, longer)
         looked_at += 1
-        if looked_at > WALKS:
+        if looked_at > most or limits.over():
             return Walks(None, at.time)
         if at.time >= above:
             for loop in _closings(at):
@@ -204,11 +221,13 @@ def _move(
 
 
 def _many_walks(workspace: Workspace, start: int, tick: Fraction, before: Fraction) -> bool:
-    """Whether hopelessly many walks end before a time; stays of free length are counted in steps of a tick."""
+    """Whether hopelessly many walks end before a time; free stays are counted in steps of a tick."""
     if workspace.move_count == 0:
         return False
     least = [max(workspace.durations[index], tick) for index in range(len(workspace.durations))]
-    groups = [(least[index], np.flatnonzero(workspace.least == index)) for index in np.unique(workspace.least)]
+    groups = [
+        (least[index], np.flatnonzero(workspace.least == index)) for index in np.unique(workspace.least)
+    ]
     free = workspace.waiting | (workspace.most == UNLIMITED)
     none = np.zeros(workspace.move_count)
     # How often each move is made, by the time when.
@@ -241,7 +260,7 @@ def _way_to(at: _Arrival) -> list[_Arrival]:
 
 def _closings(at: _Arrival) -> Iterator[Round]:
     way = _way_to(at)
-    stays = [Stay(one.cell, after.time - one.time) for one, after in zip(way, way[1:], strict=False)]
+    stays = [Stay(one.cell, after.time - one.time) for one, after in pairwise(way)]
     for place, stay in enumerate(stays):
         if stay.cell == at.cell:
             yield Round(tuple(stays[:place]), tuple(stays[place:]))
@@ -252,7 +271,7 @@ def _seen(workspace: Workspace, at: _Arrival) -> Signal:
     return Signal(segments, at.time)
 
 
-# ---------------------------------------------------------------------------------------------------- together
+# ------------------------------------------------------------------------------------------------ together
 
 
 @dataclass(frozen=True, slots=True)
@@ -283,7 +302,8 @@ class Loops:
     bound
         No loop ends its first round before this, in seconds.
     exists
-        Whether there is any loop: ``False`` is a proof, ``None`` says that it was not settled, for this `reason`.
+        Whether there is any loop: ``False`` is a proof, ``None`` says that it was not settled, for this
+        `reason`.
     """
 
     loop: Round | None = None
@@ -293,8 +313,8 @@ class Loops:
     states: int = 0
 
 
-def fastest_loop(question: Question, to_beat: Fraction | None, limits: Limits) -> Loops:
-    """The fastest looping plan, if it beats a makespan, in seconds."""
+def fastest_loop(question: Question, to_beat: Rival | None, limits: Limits) -> Loops:
+    """The fastest looping plan, if it beats the best plan of another kind."""
     shown = _shown_by(question, limits)
     match shown:
         case Exhausted(states):
@@ -304,41 +324,47 @@ def fastest_loop(question: Question, to_beat: Fraction | None, limits: Limits) -
         case Found(_, bound, _, states):
             # The robot has still to stay in the cell in which it has shown everything.
             bound += _shortest_stay(question.workspace)
-    if to_beat is not None and bound >= to_beat:
+    if to_beat is not None and bound > to_beat[0]:
         return Loops(bound=bound, states=states)
     known = _loop_of_tour(question, limits)
     known = replace(known, bound=max(bound, known.bound), states=known.states + states)
     if known.exists is False:
         return known
-    if to_beat is not None and (known.loop is None or known.loop.makespan >= to_beat):
+    if known.loop is not None and (to_beat is None or known.loop.rival < to_beat):
+        to_beat = known.loop.rival
+    else:
         known = replace(known, loop=None)
-    elif known.loop is not None:
-        to_beat = known.loop.makespan
-    if to_beat is not None and known.bound >= to_beat:
-        return known
     given = _stays_are_given(question.workspace)
-    if to_beat is None and question.workspace.cell_count <= FEW_CELLS:
-        # On a small map the first loop that passes the judge is found long before the zone graph is complete.
-        tried = _walks(question, above=known.bound, below=None)
+    for most_walks, most_states in EFFORTS:
+        if to_beat is not None:
+            break
+        tried = Walks(None, known.bound)
+        if question.workspace.cell_count <= FEW_CELLS:
+            # On a small map the first loop that passes the judge is found before the zone graph is complete.
+            tried = _walks(question, known.bound, None, limits, most_walks)
         if tried.loop is not None:
             reached = tried.loop.makespan if given else known.bound
             return replace(known, loop=tried.loop, bound=reached, exists=True)
         if tried.complete_up_to is None and given:
             return replace(known, exists=False)
-    if to_beat is None:
-        found = _loop_of_zone_graph(question, limits)
+        found = _loop_of_zone_graph(question, limits, most_states)
         known = replace(found, bound=max(known.bound, found.bound), states=known.states + found.states)
-        if known.loop is None:
+        if known.exists is False:
             return known
-        to_beat = known.loop.makespan
-    walks = _walks(question, above=known.bound, below=to_beat)
-    reached = to_beat if walks.complete_up_to is None else walks.complete_up_to
+        if known.loop is not None:
+            to_beat = known.loop.rival
+    if to_beat is None:
+        return known
+    walks = _walks(question, known.bound, to_beat, limits)
+    reached = to_beat[0] if walks.complete_up_to is None else walks.complete_up_to
     if not given:
         reached = known.bound
-    return replace(known, loop=walks.loop or known.loop, bound=max(known.bound, min(reached, to_beat)))
+    return replace(known, loop=walks.loop or known.loop, bound=max(known.bound, min(reached, to_beat[0])))
 
 
-def _walks(question: Question, *, above: Fraction, below: Fraction | None) -> Walks:
+def _walks(
+    question: Question, above: Fraction, below: Rival | None, limits: Limits, most: int = WALKS
+) -> Walks:
     return fastest_walk(
         question.workspace,
         question.starts[0],
@@ -347,6 +373,8 @@ def _walks(question: Question, *, above: Fraction, below: Fraction | None) -> Wa
         tick=_tick(question),
         above=above,
         below=below,
+        limits=limits,
+        most=most,
     )
 
 
@@ -371,7 +399,7 @@ def _loop_of_tour(question: Question, limits: Limits) -> Loops:
     return Loops(loop, tour.bound, exists, states=tour.states)
 
 
-def _loop_of_zone_graph(question: Question, limits: Limits) -> Loops:
+def _loop_of_zone_graph(question: Question, limits: Limits, most_states: int | None = None) -> Loops:
     """The best of some loops of the zone graph, or a proof that it has none."""
     network = compose(question.workspace, question.starts, question.core)
     classes = look_alike(question.workspace, network.predicates.values())
@@ -381,7 +409,7 @@ def _loop_of_zone_graph(question: Question, limits: Limits) -> Loops:
     if not question.workspace.durations or min(question.workspace.durations) == 0:
         network = replace(network, transducers=(*network.transducers, _CLOCKWORK))
     tables = tabulate(network, objective=False)
-    found = lassos(tables, limits)
+    found = lassos(tables, limits, most_states)
     match found:
         case Exhausted(states):
             return Loops(exists=False, states=states)
@@ -397,12 +425,12 @@ def _loop_of_zone_graph(question: Question, limits: Limits) -> Loops:
         loop = _round_of(tables, lasso, times)
         if small is not None:
             loop = _expanded(small, loop)
-        if (best is None or (loop.makespan, loop.moves) < (best.makespan, best.moves)) and (
-            question.satisfied_by(loop)
-        ):
+        if (best is None or loop.rival < best.rival) and (question.satisfied_by(loop)):
             best = loop
     if best is None:
-        return Loops(reason="there are infinite runs, but no exactly periodic one was found among their loops")
+        return Loops(
+            reason="there are infinite runs, but no exactly periodic one was found among their loops"
+        )
     return Loops(loop=best, exists=True)
 
 
@@ -470,10 +498,7 @@ def _round_of(tables: Tables, lasso: Lasso, times: Timetable) -> Round:
     edges = [*lasso.prefix[:, 0].tolist(), *lasso.round[:, 0].tolist(), *lasso.round[:, 0].tolist()]
     moves = [(step, edge) for step, edge in enumerate(edges) if edge != STANDS_STILL]
     cells = tables.arrays["move_target"]
-    stays = [
-        Stay(int(cells[edge]), at(after) - at(step))
-        for (step, edge), (after, _) in zip(moves, moves[1:], strict=False)
-    ]
+    stays = [Stay(int(cells[edge]), at(after) - at(step)) for (step, edge), (after, _) in pairwise(moves)]
     # A round begins with the first move in it.
     begin = next(index for index, (step, _) in enumerate(moves) if step > first)
     moves_a_round = sum(1 for edge in lasso.round[:, 0].tolist() if edge != STANDS_STILL)

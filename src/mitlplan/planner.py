@@ -35,7 +35,7 @@ from mitlplan.logic.core import (
     holds,
 )
 from mitlplan.logic.formula import Formula, Iff, Not
-from mitlplan.logic.normalize import co_safe, negation_normal_form, normalize
+from mitlplan.logic.normalize import accomplishable, normalize
 from mitlplan.logic.parse import parse
 from mitlplan.logic.semantics import satisfies
 from mitlplan.logic.signal import Signal
@@ -220,9 +220,7 @@ class _Planning:
             network = compose(question.workspace, question.starts, question.core, horizon=self.horizon)
             tables = tabulate(network)
             self.size = _size(network)
-        endless = self.horizon == "infinite" and not all(
-            co_safe(negation_normal_form(formula, question.until)) for formula in question.formulas
-        )
+        endless = self.horizon == "infinite" and not all(map(accomplishable, question.formulas))
         # Where no run can end or park, only loops need to be sought.
         endings = not endless or can_end(question.core)
         parkings = endless and self.can_park()
@@ -244,7 +242,8 @@ class _Planning:
             return self.infeasible()
         with self.stage("loops"):
             if fastest:
-                loops = fastest_loop(question, best.makespan if best else None, self.limits)
+                to_beat = (best.makespan, len(best.steps) - 1) if best else None
+                loops = fastest_loop(question, to_beat, self.limits)
             else:
                 loops = any_loop(question, self.limits)
         self.states += loops.states

@@ -105,27 +105,56 @@ def normalize(
     return simplify(_core(formula, positive=True, closed=closed), endless=horizon == "infinite")
 
 
-def negation_normal_form(formula: Formula, until: Choice["standard", "closed"] = "standard") -> Core:
-    """The formula with its negations pushed to the atoms, and nothing else done to it.
+def accomplishable(formula: Formula, *, positive: bool = True) -> bool:
+    """Whether a formula is co-safe as it is written: a finite plan can accomplish it.
 
-    Whether a formula is co-safe is asked of this form: an identity may well do away with an operator that
-    reaches to infinity, and which plans count must not depend on that.
+    In its negation normal form no G, R or W reaches to infinity (docs: semantics, section 3). This is asked
+    of the formula and not of its core: an identity may well do away with such an operator, and which plans
+    count must not depend on that.
 
-    Raises
-    ------
-    FormulaError
-        As :func:`normalize`.
+    Parameters
+    ----------
+    positive
+        ``False`` asks it of the negation.
 
     Examples
     --------
     >>> from mitlplan.logic.parse import parse
-    >>> formula = parse("G[1,3] A | G A")
-    >>> co_safe(negation_normal_form(formula)), co_safe(normalize(formula))
-    (False, True)
+    >>> accomplishable(parse("!G !A")), accomplishable(parse("G[1,3] A | G A"))
+    (True, False)
     """
-    closed = until == "closed"
-    _refuse_large(formula, closed=closed)
-    return _core(formula, positive=True, closed=closed)
+    match formula:
+        case Constant() | Atom():
+            return True
+        case Not(operand):
+            return accomplishable(operand, positive=not positive)
+        case And(operands) | Or(operands):
+            return all(accomplishable(operand, positive=positive) for operand in operands)
+        case Implies(left, right):
+            return accomplishable(left, positive=not positive) and accomplishable(right, positive=positive)
+        case Iff(left, right):
+            return all(
+                accomplishable(side, positive=sign) for side in (left, right) for sign in (True, False)
+            )
+        case Next(operand):
+            return accomplishable(operand, positive=positive)
+        case Eventually(operand, interval):
+            return (positive or interval.upper is not None) and accomplishable(operand, positive=positive)
+        case Always(operand, interval):
+            return (not positive or interval.upper is not None) and accomplishable(
+                operand, positive=positive
+            )
+        case Until(left, right, interval):
+            return (positive or interval.upper is not None) and all(
+                accomplishable(side, positive=positive) for side in (left, right)
+            )
+        case Release(left, right, interval):
+            return (not positive or interval.upper is not None) and all(
+                accomplishable(side, positive=positive) for side in (left, right)
+            )
+        case WeakUntil():
+            # G p | (p U q), and negated F !p & (!p R !q): either way one part reaches to infinity.
+            return False
 
 
 def written(core: Core) -> Formula:

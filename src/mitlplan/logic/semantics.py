@@ -13,7 +13,7 @@ from after `end` it must surely hold like everything else, so that ``F G p`` ask
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import reduce
 from math import lcm
@@ -109,8 +109,48 @@ def truth(
         raise ValueError(f"the horizon is infinite or finite, not {horizon!r}")
     if horizon == "finite" and signal.repeat_from is not None:
         raise ValueError("a signal that repeats has no end to which a finite horizon could refer")
-    judge = _Judge.of(formula, signal, closed_until=until == "closed", finite_horizon=horizon == "finite")
-    return judge.verdict(formula)
+    closed = until == "closed"
+    present = _without_instants(formula, closed=closed)
+    judge = _Judge.of(present, signal, closed_until=closed, finite_horizon=horizon == "finite")
+    return judge.verdict(present)
+
+
+def _without_instants(formula: Formula, *, closed: bool) -> Formula:
+    """The formula without operators over ``[0,0]``.
+
+    They speak of the present, so that ``F[0,0] p | !p`` is certain.
+    """
+    done: dict[int, Formula] = {}
+
+    def rest(part: Formula) -> Formula:
+        if id(part) not in done:
+            done[id(part)] = _without_instant(part, rest, closed=closed)
+        return done[id(part)]
+
+    # Parts before wholes, so that no depth of nesting overflows the stack.
+    for part in reversed(list(_parts(_Claim(formula)))):
+        rest(part.formula)
+    return rest(formula)
+
+
+def _without_instant(formula: Formula, rest: Callable[[Formula], Formula], *, closed: bool) -> Formula:
+    match formula:
+        case Constant() | Atom():
+            return formula
+        case And(operands) | Or(operands):
+            return replace(formula, operands=tuple(map(rest, operands)))
+        case Eventually(operand, interval) | Always(operand, interval) if interval.upper == 0:
+            return rest(operand)
+        case Until(left, right, interval) if interval.upper == 0:
+            return And((rest(left), rest(right))) if closed else rest(right)
+        case Release(left, right, interval) if interval.upper == 0:
+            return Or((rest(left), rest(right))) if closed else rest(right)
+        case Not(operand) | Eventually(operand) | Always(operand) | Next(operand):
+            return replace(formula, operand=rest(operand))
+        case Implies(left, right) | Iff(left, right) | WeakUntil(left, right):
+            return replace(formula, left=rest(left), right=rest(right))
+        case Until(left, right) | Release(left, right):
+            return replace(formula, left=rest(left), right=rest(right))
 
 
 class _Claim(NamedTuple):

@@ -60,6 +60,11 @@ class Limits:
         """The seconds left."""
         return None if self.seconds is None else self.seconds - (time.monotonic() - self.started)
 
+    def over(self) -> bool:
+        """Whether no time is left."""
+        remaining = self.remaining()
+        return remaining is not None and remaining <= 0
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Found:
@@ -125,7 +130,9 @@ def fastest_run(
     return Exhausted(search.stored)
 
 
-def drive(search: _core.Search, tables: Tables, limits: Limits) -> Stopped | None:
+def drive(
+    search: _core.Search, tables: Tables, limits: Limits, most_states: int | None = None
+) -> Stopped | None:
     """Runs a native search to its end, or until a limit stops it."""
     while True:
         remaining = limits.remaining()
@@ -140,5 +147,7 @@ def drive(search: _core.Search, tables: Tables, limits: Limits) -> Stopped | Non
         if limits.seconds is not None and elapsed >= limits.seconds:
             reason = f"the time limit of {limits.seconds:g} s was reached"
             return Stopped(f"{reason} after {search.stored} states", bound, search.stored)
+        if most_states is not None and search.stored > most_states:
+            return Stopped(f"the search was given up after {search.stored} states", bound, search.stored)
         if limits.progress is not None:
             limits.progress(Progress(search.stored, bound, elapsed))

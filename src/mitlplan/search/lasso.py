@@ -50,20 +50,24 @@ class Timetable:
     period: Fraction
 
 
-def lassos(tables: Tables, limits: Limits) -> Iterator[Lasso] | Exhausted | Stopped:
+def lassos(
+    tables: Tables, limits: Limits, most_states: int | None = None
+) -> Iterator[Lasso] | Exhausted | Stopped:
     """Loops of the network, the shortest of each strongly connected part first, or a proof of none.
 
     Parameters
     ----------
     tables
         Of a network without the time as objective.
+    most_states
+        Gives up when the graph has more states.
     """
     search = _core.Search(
         tables.arrays,
         record=True,
         memory=0 if limits.megabytes is None else limits.megabytes * MEGABYTE,
     )
-    stopped = drive(search, tables, limits)
+    stopped = drive(search, tables, limits, most_states)
     if stopped is not None:
         return Stopped(stopped.reason, None, stopped.states)
     graph = _Graph.of(search, tables)
