@@ -4,7 +4,7 @@
 to the next claim may be filled. That leaves so few stretches that a fixed number of recorders can hold
 those not yet replayed: the truth of ``F_[a,b] f`` has no true stretch shorter than b - a unless it begins
 at 0, and gaps inside a true stretch can be filled; that of ``G_[a,b] f`` has no false stretch shorter than
-b - a, and shorter gaps can be filled (docs: translation, 5.4). Each recorder remembers one stretch: the
+b - a, and shorter gaps can be filled (docs: translation, section 3). Each recorder remembers one stretch: the
 ages of its two ends, and whether the ends belong to it. Recorders stand in a row, and the first free one
 takes the next stretch.
 """

@@ -66,7 +66,7 @@ def can_end(core: Core) -> bool:
 
 
 def parked_label(core: Core) -> Core:
-    """A propositional formula that holds wherever the robot may stay for ever, if `core` is to hold at time 0."""
+    """A propositional formula that holds where the robot may stay for ever if `core` is to hold at time 0."""
     match core:
         case Conjunction(operands):
             return conjunction(*map(parked_label, operands))

@@ -3,8 +3,8 @@
 One clock will do, because the oldest open claim of an until is the one that runs out first, and the newest
 claim of a release the one that lasts longest. What an instant adds: the claim that is measured was made at
 an instant (``attained``) or is the limit of claims made in an open phase, and that decides whether the
-bound itself still counts (docs: translation; Maler, Nickovic and Pnueli 2006 need a clock for every edge of
-the claim).
+bound itself still counts (docs: translation, section 2; Maler, Nickovic and Pnueli 2006 need a clock for
+every edge of the claim).
 """
 
 from __future__ import annotations

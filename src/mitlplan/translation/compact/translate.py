@@ -326,7 +326,7 @@ class _Translator:
 def without_delay_until(core: CoreUntil) -> Core:
     """``p U_I q`` with a lower bound above 0, by operators that begin at 0 and a delayed eventually.
 
-    Valid for the standard until on right-continuous signals (docs: translation, Identities).
+    Valid for the standard until on right-continuous signals (docs: translation, section 4).
     """
     interval = core.interval
     up_to = Interval(Fraction(0), interval.lower)
