@@ -95,8 +95,13 @@ sanitize: $(STAMPS)/sanitize ## the tests of the native half, under the address 
 fuzz: $(STAMPS)/dev ## many more random cases, until interrupted by a failure or done
 	@$(BIN)/pytest --quiet -n $(JOBS) --hypothesis-profile=fuzz --timeout=0 tests
 
-bench: build ## measure, and write docs/performance.md
-	@$(BIN)/python benchmarks/performance.py
+$(STAMPS)/bench: $(STAMPS)/build benchmarks/requirements.txt
+	$(call say,install the peers)
+	@$(PIP) install --requirement benchmarks/requirements.txt
+	@touch $@
+
+bench: $(STAMPS)/bench ## measure beside the peers, and write docs/performance.md
+	@$(BIN)/python -m benchmarks.performance
 
 native: $(STAMPS)/dev ## compile the native half only, incrementally
 	@$(call compile,build/native,-DMITLPLAN_IN_SOURCE=ON)
