@@ -8,6 +8,11 @@ namespace {
 
 constexpr std::size_t block_size = std::size_t{1} << 16;
 constexpr int expansions_between_looks_at_the_clock = 256;
+constexpr std::size_t steps_between_looks_at_the_clock = 1024;
+constexpr std::chrono::milliseconds between_polls{50};
+
+/// Thrown when there is no time left.
+struct OutOfTime {};
 
 std::size_t hash_of(std::span<const Index> locations) noexcept {
     std::uint64_t mixed = 0x9E3779B97F4A7C15u;
@@ -242,6 +247,7 @@ void Search::reach_goal(NodeId parent, const ActiveClocks& clocks, std::span<con
 
 void Search::take(NodeId parent, const ActiveClocks& clocks, std::span<const Bound> zone, StepKind kind,
                   const JointStep& step, bool silent) {
+    if (++steps_tried_ % steps_between_looks_at_the_clock == 0) look_up();
     guarded_.assign(zone.begin(), zone.end());
     for (Index component = 1; component < tables_.components(); ++component)
         if (!successors_.constrain(guarded_, clocks, successors_.edge_of(kind, step, component).guard)) return;
@@ -306,8 +312,19 @@ Ticks Search::lower_bound() const noexcept {
     return goal_.parent == none ? bound : std::min(bound, goal_.time);
 }
 
-Status Search::run(std::chrono::duration<double> budget) {
-    const auto begin = std::chrono::steady_clock::now();
+void Search::look_up() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - run_began_ > limit_) throw OutOfTime{};
+    if (!poll_ || now - polled_ < between_polls) return;
+    polled_ = now;
+    poll_();
+}
+
+Status Search::run(std::chrono::duration<double> budget, std::chrono::duration<double> limit,
+                   std::function<void()> poll) {
+    run_began_ = polled_ = std::chrono::steady_clock::now();
+    limit_ = limit;
+    poll_ = std::move(poll);
     while (true) {
         for (int count = 0; count < expansions_between_looks_at_the_clock; ++count) {
             if (finished()) return goal_.parent == none ? Status::exhausted : Status::found;
@@ -315,10 +332,18 @@ Status Search::run(std::chrono::duration<double> budget) {
             waiting_.pop();
             if (nodes_[static_cast<std::size_t>(next.node)].covered) continue;
             ++visited_;
-            expand(next.node);
+            try {
+                expand(next.node);
+            } catch (const OutOfTime&) {
+                waiting_.push(next);
+                return Status::running;
+            } catch (...) {
+                waiting_.push(next);
+                throw;
+            }
         }
         if (bytes() > options_.memory) return Status::out_of_memory;
-        if (std::chrono::steady_clock::now() - begin > budget) return Status::running;
+        if (std::chrono::steady_clock::now() - run_began_ > budget) return Status::running;
     }
 }
 

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <queue>
 #include <unordered_map>
@@ -52,8 +53,11 @@ public:
     Search(const Search&) = delete;
     Search& operator=(const Search&) = delete;
 
-    /// Searches for about this long; `running` means: call again.
-    Status run(std::chrono::duration<double> budget);
+    /// Searches for about this long, at most up to the limit; `running` means: call again. Some states have so many
+    /// successors that `poll` is called in their midst; it may throw, and what was cut short is begun again.
+    Status run(std::chrono::duration<double> budget,
+               std::chrono::duration<double> limit = std::chrono::duration<double>::max(),
+               std::function<void()> poll = nullptr);
 
     /// A lower bound on the time of every goal not yet found.
     Ticks lower_bound() const noexcept;
@@ -133,6 +137,8 @@ private:
 
     void start();
     void expand(NodeId node);
+    /// Once in a while: is there time left, and does anybody want to interrupt?
+    void look_up();
     void take(NodeId parent, const ActiveClocks& clocks, std::span<const Bound> zone, StepKind kind,
               const JointStep& step, bool silent);
     void reach_goal(NodeId parent, const ActiveClocks& clocks, std::span<const Bound> zone, StepKind kind,
@@ -171,6 +177,11 @@ private:
     std::vector<RecordedStep> recorded_;
     std::vector<Index> recorded_edges_;
     std::size_t visited_ = 0;
+    std::size_t steps_tried_ = 0;
+    std::chrono::steady_clock::time_point run_began_;
+    std::chrono::steady_clock::time_point polled_;
+    std::chrono::duration<double> limit_{};
+    std::function<void()> poll_;
     // Room for the work at hand, kept to avoid allocating in the loop.
     std::vector<Bound> driven_;
     std::vector<Bound> guarded_;

@@ -178,11 +178,18 @@ void bind_search(nb::module_& module) {
             "Takes over the tables; `horizon` in ticks and `memory` in bytes, if positive, are limits.")
         .def(
             "run",
-            [](Search& self, double seconds) {
+            [](Search& self, double seconds, double limit) {
                 const nb::gil_scoped_release unlocked;
-                return static_cast<int>(self.run(std::chrono::duration<double>(seconds)));
+                const auto interrupted = [] {
+                    const nb::gil_scoped_acquire locked;
+                    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+                };
+                using Seconds = std::chrono::duration<double>;
+                return static_cast<int>(self.run(Seconds(seconds), Seconds(limit), interrupted));
             },
-            nb::arg("seconds"), "Searches for about this long. 0: not done, 1: found, 2: exhausted, 3: out of memory.")
+            nb::arg("seconds"), nb::arg("limit") = std::numeric_limits<double>::infinity(),
+            "Searches for about this long, and no longer than the limit. 0: not done, 1: found, 2: exhausted, "
+            "3: out of memory.")
         .def_prop_ro("found", [](const Search& self) { return self.goal().parent != none; }, "Whether a goal is known.")
         .def_prop_ro("visited", &Search::visited, "States expanded.")
         .def_prop_ro("stored", &Search::stored, "States stored.")

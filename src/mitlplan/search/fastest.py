@@ -136,7 +136,10 @@ def drive(
     """Runs a native search to its end, or until a limit stops it."""
     while True:
         remaining = limits.remaining()
-        status = search.run(SLICE if remaining is None else max(0.0, min(SLICE, remaining)))
+        if remaining is None:
+            status = search.run(SLICE)
+        else:
+            status = search.run(max(0.0, min(SLICE, remaining)), limit=max(0.0, remaining))
         if status in (1, 2):
             return None
         bound = Fraction(search.lower_bound, tables.scale)
