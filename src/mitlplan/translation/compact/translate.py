@@ -38,6 +38,8 @@ from mitlplan.logic.core import (
     until,
 )
 from mitlplan.logic.interval import Interval
+from mitlplan.logic.normalize import written
+from mitlplan.logic.show import show
 from mitlplan.translation.compact.choice import choice
 from mitlplan.translation.compact.claims import Claim, Demand, Operands, edge, made
 from mitlplan.translation.compact.delay_line import recorder, recorder_count, smoother
@@ -124,7 +126,7 @@ class _Translator:
             case Truth(value):
                 return Demand(impossible=not value)
             case _:
-                name = written(core)
+                name = name_of(core)
                 self.predicates[name] = core
                 return Demand(frozenset((name,)))
 
@@ -166,7 +168,7 @@ class _Translator:
             if not propositional(part)
         )
         self.made[claim.number] = choice(
-            written(core), claim, self.predicate(label), others, self.parked(core)
+            name_of(core), claim, self.predicate(label), others, self.parked(core)
         )
         return claim
 
@@ -176,12 +178,12 @@ class _Translator:
             case CoreUntil(left, right, interval):
                 operands = self.operands(core, self.demand(left, once=False), self.demand(right, once=True))
                 self.made[claim.number] = until_once(
-                    written(core), claim, interval, operands, at_start=at_start
+                    name_of(core), claim, interval, operands, at_start=at_start
                 )
             case CoreRelease(left, right, interval):
                 operands = self.operands(core, self.demand(left, once=True), self.demand(right, once=False))
                 self.made[claim.number] = release_once(
-                    written(core),
+                    name_of(core),
                     claim,
                     interval,
                     operands,
@@ -238,11 +240,11 @@ class _Translator:
         )
         if isinstance(core, CoreUntil):
             self.made[claim.number] = until_repeated(
-                written(core), claim, core.interval, operands, vacuous_at_end=part.vacuous_at_end
+                name_of(core), claim, core.interval, operands, vacuous_at_end=part.vacuous_at_end
             )
         else:
             self.made[claim.number] = release_repeated(
-                written(core), claim, core.interval, operands, until_the_end=part.until_the_end
+                name_of(core), claim, core.interval, operands, until_the_end=part.until_the_end
             )
         return claim
 
@@ -255,7 +257,7 @@ class _Translator:
         count = recorder_count(interval.lower, width)
         if count > MAXIMAL_RECORDERS:
             raise TranslationError(
-                f"{written(core)}: the delay of {interval.lower} s is so long against the width of {width} s "
+                f"{name_of(core)}: the delay of {interval.lower} s is so long against the width of {width} s "
                 f"that it would take {count} pairs of clocks; widen the interval to at least "
                 f"{interval.lower / (MAXIMAL_RECORDERS - 2)} s"
             )
@@ -265,10 +267,10 @@ class _Translator:
         )
         replayed = self.repeated(_Part(undelayed, part.until_the_end))
         parked = self.parked(core)
-        self.made[claim.number] = smoother(written(core), claim, parked)
+        self.made[claim.number] = smoother(name_of(core), claim, parked)
         for index in range(count):
             self.made[self.number()] = recorder(
-                f"{written(core)}, recorder {index + 1}",
+                f"{name_of(core)}, recorder {index + 1}",
                 claim,
                 index,
                 index == count - 1,
@@ -300,7 +302,7 @@ class _Translator:
         claim = Claim(self.number())
         possible = tuple(demand for demand in alternatives if not demand.impossible)
         self.made[claim.number] = choice(
-            written(core), claim, Demand(impossible=True), possible, self.parked(core)
+            name_of(core), claim, Demand(impossible=True), possible, self.parked(core)
         )
         self.shared[_Part(core, self.until_the_end)] = claim
         return _claiming(claim)
@@ -317,7 +319,7 @@ class _Translator:
         claim = Claim(self.number())
         operands = self.operands(outer, self.predicate(outer.left), inner_demand)
         self.made[claim.number] = until_repeated(
-            written(outer), claim, outer.interval, operands, vacuous_at_end=vacuous_at_end
+            name_of(outer), claim, outer.interval, operands, vacuous_at_end=vacuous_at_end
         )
         self.shared[part] = claim
         return _claiming(claim)
@@ -378,27 +380,9 @@ def necessary_label(core: Core) -> Core:
             return TRUE
 
 
-def written(core: Core) -> str:
-    """A core formula for people: the name of a transducer or a predicate."""
-    match core:
-        case Truth(value):
-            return "true" if value else "false"
-        case Literal(name, positive):
-            return name if positive else f"!{name}"
-        case Conjunction(operands):
-            return "(" + " & ".join(map(written, operands)) + ")"
-        case Disjunction(operands):
-            return "(" + " | ".join(map(written, operands)) + ")"
-        case CoreUntil(left, right, interval):
-            shown = "" if interval.unrestricted else str(interval)
-            if left == TRUE:
-                return f"F{shown} {written(right)}"
-            return f"({written(left)} U{shown} {written(right)})"
-        case CoreRelease(left, right, interval):
-            shown = "" if interval.unrestricted else str(interval)
-            if left == FALSE:
-                return f"G{shown} {written(right)}"
-            return f"({written(left)} R{shown} {written(right)})"
+def name_of(core: Core) -> str:
+    """The name of a transducer or a predicate: its formula."""
+    return show(written(core))
 
 
 def _claiming(claim: Claim) -> Demand:
