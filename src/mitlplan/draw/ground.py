@@ -180,19 +180,20 @@ def _write_region_names(axes: Axes, workspace: Workspace, geometry: Geometry) ->
             x, y = workspace.positions[cell].tolist()
             colour = colour_of(name, names)
             axes.plot(x, y, "D", color=colour, markeredgecolor=INK, markersize=6, zorder=3)
-        # Several names at one cell stand one above or below the other.
+        # Several names at one cell stand one below the other.
         rows[cell] = rows.get(cell, -1) + 1
-        corner = (float(geometry.left[cell]), float(geometry.top[cell]))
-        _write_region_name(axes, name, corner, rows[cell], inside=workspace.cell_count <= _MOST_NAMED)
+        inside = workspace.cell_count <= _MOST_NAMED
+        corner = (float(geometry.left[cell] if inside else geometry.right[cell]), float(geometry.top[cell]))
+        _write_region_name(axes, name, corner, rows[cell], inside=inside)
 
 
 def _write_region_name(axes: Axes, name: str, corner: tuple[float, float], row: int, *, inside: bool) -> None:
     text = axes.annotate(
         name,
         corner,
-        xytext=(4, -4 - 13 * row) if inside else (0, 3 + 11 * row),
+        xytext=(4, -4 - 13 * row) if inside else (7, -5 - 11 * row),
         textcoords="offset points",
-        va="top" if inside else "bottom",
+        va="top",
         color=INK,
         fontsize=11 if inside else 9,
         fontweight="bold",

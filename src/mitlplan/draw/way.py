@@ -27,7 +27,7 @@ Array: TypeAlias = NDArray[np.float64]
 
 _MOST_CELLS_WITH_ARROWS = 144
 _MOST_ARROWS = 40
-_SAMPLES_A_PIECE = 40
+_SAMPLES_A_PIECE = 120
 _MOST_SAMPLES = 40_000
 _INSTANT = 1e-9
 _WHOLE = np.linspace(0.0, 1.0, 3)
@@ -95,7 +95,7 @@ def _draw_route(axes: Axes, workspace: Workspace, plan: Plan, points: Array) -> 
     times = np.array([float(step.enter) for step in plan.steps])
     end = max(float(plan.makespan), 1e-9)
     _draw_line(axes, points, times[: len(points) - 1] / end)
-    stride = math.ceil(len(points) / 16)
+    stride = math.ceil(len(points) / 12)
     for place in range(0, len(points) - 1, stride):
         (x, y), (next_x, next_y) = points[place].tolist(), points[place + 1].tolist()
         heading = math.atan2(next_y - y, next_x - x)
@@ -116,7 +116,7 @@ def draw_trajectory(axes: Axes, workspace: Workspace, trajectory: Trajectory) ->
     course = trajectory.sample_at(times).course
     points = np.column_stack([course.x, course.y])
     _draw_line(axes, points, times[:-1] / end)
-    step = even_step(trajectory.end, min(16, max(4, 3 * len(trajectory.visits) - 1)))
+    step = even_step(trajectory.end, min(12, max(4, 3 * len(trajectory.visits) - 1)))
     # The end of a loop is a place on the way, which has its mark already.
     count = math.floor(trajectory.end / step) + (1 if trajectory.repeat_from is None else 0)
     marks = trajectory.sample(step)

@@ -1,0 +1,95 @@
+"""The numbers of docs/trajectory.md are those of the code."""
+
+from __future__ import annotations
+
+import re
+from contextlib import redirect_stdout
+from fractions import Fraction
+from io import StringIO
+from pathlib import Path
+
+import pytest
+
+from mitlplan.formats.trajectory_csv import trajectory_to_csv
+from mitlplan.mission import read
+from mitlplan.plan import Plan
+from mitlplan.planner import plan
+from mitlplan.trajectory import Profile, Style, Weights, follow, straight, turn_left, u_turn
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = (DOCS / "trajectory.md").read_text(encoding="utf-8")
+EQUAL = Weights()
+
+
+def table(first: str) -> dict[str, list[str]]:
+    """The rows of the table whose first heading is `first`, by their first entry."""
+    rows = PAGE[PAGE.index(f"| {first} |") :].split("\n\n")[0].splitlines()[2:]
+    cells = [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
+    return {row[0]: row[1:] for row in cells}
+
+
+def cost(first: str, name: str) -> float:
+    return float(table(first)[name][0])
+
+
+def test_the_table_of_costs() -> None:
+    turn = turn_left(0.5, 0.5, EQUAL)
+    assert turn is not None
+    expected = {
+        "forward": straight(1.0, EQUAL),
+        "half forward (start, stop)": straight(0.5, EQUAL),
+        "quarter turn": turn,
+        "quarter turn, `arc` (the paper's circle)": turn_left(0.5, 0.5, EQUAL, Style.ARC),
+        "quarter turn, `spot`": turn_left(0.5, 0.5, EQUAL, Style.SPOT),
+        "U-turn, `three-point`": u_turn(0.5, EQUAL),
+        "U-turn, `forward-only`": u_turn(0.5, EQUAL, Style.FORWARD_ONLY),
+        "U-turn, `spot`": u_turn(0.5, EQUAL, Style.SPOT),
+        "quarter turn, cubic profile": turn.smoothed(Profile.CUBIC),
+        "quarter turn, quintic profile": turn.smoothed(Profile.QUINTIC),
+    }
+    assert list(table("motion")) == list(expected)
+    for name, motion in expected.items():
+        assert motion is not None
+        assert cost("motion", name) == pytest.approx(motion.cost, abs=6e-10)
+
+
+def test_the_table_of_rectangles() -> None:
+    for aspect, (free, _, _, forward, arc) in table("length : width").items():
+        for text, style in ((free, Style.FREE), (forward, Style.FORWARD_ONLY), (arc, Style.ARC)):
+            motion = turn_left(float(aspect) / 2, 0.5, EQUAL, style)
+            assert motion is not None
+            assert float(text) == pytest.approx(motion.cost, abs=6e-8)
+
+
+def test_the_table_of_u_turns() -> None:
+    for style in (Style.THREE_POINT, Style.FORWARD_ONLY, Style.SPOT):
+        motion = u_turn(0.5, EQUAL, style)
+        assert motion is not None
+        assert cost("U-turn", f"`{style.value}`") == pytest.approx(motion.cost, abs=6e-8)
+
+
+@pytest.mark.parametrize("name", ["phi1", "phi2"])
+def test_the_tables_of_samples_are_those_of_today(name: str) -> None:
+    mission = read(DOCS / "trajectory" / f"{name}.yaml")
+    found = plan(mission)
+    assert isinstance(found, Plan)
+    written = (DOCS / "trajectory" / f"{name}.csv").read_text().splitlines()
+    today = trajectory_to_csv(follow(found, mission.workspace), Fraction(1, 20)).splitlines()
+    assert len(written) == len(today)
+    for old, new in zip(written[1:], today[1:], strict=True):
+        assert [float(x) for x in old.split(",")] == pytest.approx(
+            [float(x) for x in new.split(",")], abs=1e-9
+        )
+
+
+def test_the_python_of_the_page_runs_and_prints_what_it_says() -> None:
+    (code,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+    printed = StringIO()
+    with redirect_stdout(printed):
+        exec(code, {})  # noqa: S102  # the page is ours
+    assert printed.getvalue().splitlines() == re.findall(r"^# (.*)$", code, flags=re.MULTILINE)
+
+
+def test_pictures_exist() -> None:
+    for target in re.findall(r"\]\((trajectory/[^)]+)\)", PAGE):
+        assert (DOCS / target).exists(), target
