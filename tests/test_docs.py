@@ -50,7 +50,7 @@ def test_python_prints_what_its_comments_say(block: str) -> None:
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
         exec(compile(block, "page", "exec"), {})  # noqa: S102  # the page is ours
-    promised = re.findall(r"print\(.*?\) +# (.*?)(?:   .*)?$", block, re.MULTILINE)
+    promised = re.findall(r"print\(.*\)\s+# (.*?)(?:   .*)?$", block, re.MULTILINE)
     assert promised
     assert printed.getvalue().splitlines() == promised
 
