@@ -345,8 +345,8 @@ def exactly(clock: str, bound: Fraction) -> Guard:
     return (Constraint(clock, Relation.AT_LEAST, bound), Constraint(clock, Relation.AT_MOST, bound))
 
 
-def ticks_per_second(network: Network) -> int:
-    """The least factor that makes every constant of the network an integer.
+def ticks_per_second(network: Network, query: Query | None = None) -> int:
+    """The least factor that makes every constant of the network, and of the query, an integer.
 
     Examples
     --------
@@ -356,4 +356,5 @@ def ticks_per_second(network: Network) -> int:
     """
     guards = [location.invariant for automaton in network.automata for location in automaton.locations]
     guards += [edge.guard for automaton in network.automata for edge in automaton.edges]
+    guards += [target.guard for target in query.targets] if query is not None else []
     return lcm(*(constraint.bound.denominator for guard in guards for constraint in guard))

@@ -78,7 +78,7 @@ def write_uppaal(
     >>> [line for line in text.splitlines() if "formula>" in line]
     ['\t\t\t<formula>E&lt;&gt; robot.there</formula>']
     """
-    scale = ticks_per_second(network)
+    scale = ticks_per_second(network, query)
     placed = layout or {}
     places = [placed.get(each.name) or rows(len(each.locations)) for each in network.automata]
     network, query = with_identifiers(network, query, KEYWORDS)

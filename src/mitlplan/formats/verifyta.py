@@ -103,7 +103,7 @@ def _run(network: Network, query: Query, verifyta: Path, time_limit: float | Non
     with tempfile.TemporaryDirectory(prefix="mitlplan") as folder:
         model, question = Path(folder, "model.xml"), Path(folder, "model.q")
         model.write_text(write_uppaal(network, query), encoding="utf-8")
-        question.write_text(f"E<> {targets(asked, ticks_per_second(named))}\n", encoding="utf-8")
+        question.write_text(f"E<> {targets(asked, ticks_per_second(named, asked))}\n", encoding="utf-8")
         try:
             finished = subprocess.run(  # noqa: S603  (the program is the user's own choice)
                 [str(verifyta), "-t", "2", str(model), str(question)],
