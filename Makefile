@@ -92,8 +92,8 @@ sanitize: $(STAMPS)/sanitize ## the tests of the native half, under the address 
 	@LD_PRELOAD="$(PRELOAD)" ASAN_OPTIONS=detect_leaks=0 MITLPLAN_NATIVE=build/sanitize \
 	  $(BIN)/pytest --quiet -n $(JOBS) tests/native $(wildcard tests/search)
 
-fuzz: $(STAMPS)/dev ## many more random cases, until interrupted by a failure or done
-	@$(BIN)/pytest --quiet -n $(JOBS) --hypothesis-profile=fuzz --timeout=0 tests
+fuzz: $(STAMPS)/dev ## random missions without end, other ones every time: engine, oracle and judge
+	@$(BIN)/python -m tests.fuzz --seed $$(date +%s)
 
 $(STAMPS)/bench: $(STAMPS)/build benchmarks/requirements.txt
 	$(call say,install the peers)
