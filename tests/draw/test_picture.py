@@ -104,7 +104,7 @@ def test_parking_and_long_plans_can_be_drawn() -> None:
     assert rendered(picture(SQUARE, parking), "png")
     there_and_back = [f"r0c{column}" for column in [*range(60), *range(58, -1, -1)]]
     long = plan_of(there_and_back, [Fraction(1)] * (len(there_and_back) - 1))
-    assert "16" in texts(picture(grid(3, 60), long))
+    assert "20" in texts(picture(grid(3, 60), long))
 
 
 @pytest.mark.parametrize("world", [graph({"a": ["A"], "b": []}, [Move("a", "b")])])

@@ -44,17 +44,20 @@ def test_the_forward_only_turn() -> None:
     """To the centre, then to the heading half way: the kink at u = 0 is where phases meet."""
     turn = u_turn(0.5, EQUAL, Style.FORWARD_ONLY)
     assert turn is not None
-    half = collocated([(0.5, 0.0, None), (0.5, 0.0, math.pi / 2)], forward=True, elements=40)
+    half = collocated([(0.5, 0.0, None), (0.5, 0.0, math.pi / 2)], forward=True)
     assert 4 * half == pytest.approx(turn.cost, abs=1e-6)
 
 
-@pytest.mark.parametrize("phases", [[(0.0, 0.0, None), (0.5, 1.5, 1.0)], [(1.5, 0.5, None), (1.5, 0.5, 1.0)]])
-def test_forward_only_in_rectangles(phases: list[tuple[float, float, float | None]]) -> None:
+@pytest.mark.parametrize(
+    ("phases", "elements"),
+    [([(0.0, 0.0, None), (0.5, 1.5, 1.0)], 40), ([(1.5, 0.5, None), (1.5, 0.5, 1.0)], 20)],
+)
+def test_forward_only_in_rectangles(phases: list[tuple[float, float, float | None]], elements: int) -> None:
     """The turn on the spot, at the beginning or at the end, is a phase of its own."""
     x, y, _ = phases[-1]
     turn = turn_left(x, y, EQUAL, Style.FORWARD_ONLY)
     assert turn is not None
-    found = collocated([phases[0], (x, y, math.pi / 2)], forward=True, elements=40)
+    found = collocated([phases[0], (x, y, math.pi / 2)], forward=True, elements=elements)
     assert found == pytest.approx(turn.cost, abs=1e-6)
 
 

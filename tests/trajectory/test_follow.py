@@ -277,7 +277,20 @@ def test_a_stay_is_used_where_the_move_alone_is_too_short() -> None:
     assert samples.course.u.max() <= 0.8 + 1e-9
 
 
+def test_a_loop_that_only_a_robot_in_reverse_can_drive() -> None:
+    plan = plan_of(["r0c0", "r0c1"], [2 * ONE] * 2, loop=0)
+    world, robot = grid(1, 2, move_time=2), Robot(speed=Fraction(3, 5))
+    with pytest.raises(TrajectoryError, match="the three-point U-turn takes"):
+        follow(plan, world, robot=robot)
+    trajectory = follow(plan, world, robot=robot, driving=Driving(reverse=True))
+    assert trajectory.cost == pytest.approx(0.125 + 2 * 0.5)
+
+
 def test_what_is_no_walk() -> None:
+    with pytest.raises(TrajectoryError, match="leaves r0c0 at 0, when it enters; a stay takes time"):
+        follow(walk("r0c0", "r0c1", stay=0 * ONE), grid(1, 2))
+    with pytest.raises(TrajectoryError, match="leaves r0c0 at -1, before it enters at 0"):
+        follow(Plan((Step("r0c0", 0 * ONE, -ONE),), ONE), grid(1, 2))
     with pytest.raises(TrajectoryError, match="no cell is called r9c9; cells are r0c0 to r0c1"):
         follow(walk("r0c0", "r9c9"), grid(1, 2))
     moves = grid(1, 2)

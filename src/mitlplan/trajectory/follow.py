@@ -189,7 +189,7 @@ def _route(plan: Plan, workspace: Workspace, stop_time: Fraction | None) -> _Rou
         # The first cell of the loop is entered another way the second time, so the loop is closed behind it.
         start = plan.loop.start
         again = steps[start]
-        steps.append(replace(again, enter=plan.makespan, leave=plan.makespan + _length(again)))
+        steps.append(replace(again, enter=plan.makespan, leave=plan.makespan + _stay_length(again)))
     cells = [_index(workspace, step) for step in steps]
     onward = cells[1:] if start is None else [*cells[1:], cells[start + 1]]
     source, target = (np.array(ends, dtype=np.int32) for ends in (cells[: len(onward)], onward))
@@ -200,7 +200,7 @@ def _route(plan: Plan, workspace: Workspace, stop_time: Fraction | None) -> _Rou
             Visit(step.cell, rectangle_of(workspace, cell), step.enter, step.leave),
             entry,
             leave,
-            _length(step),
+            _stay_length(step),
             *_move_times(workspace, cell, following),
         )
         for step, cell, following, entry, leave in zip(
@@ -227,7 +227,19 @@ def _route(plan: Plan, workspace: Workspace, stop_time: Fraction | None) -> _Rou
 def _length(step: Step) -> Fraction:
     if step.leave is None:
         raise TrajectoryError(f"the plan leaves {step.cell} never, but goes on")
+    if step.leave < step.enter:
+        raise TrajectoryError(
+            f"the plan leaves {step.cell} at {step.leave}, before it enters at {step.enter}"
+        )
     return step.leave - step.enter
+
+
+def _stay_length(step: Step) -> Fraction:
+    if step.leave == step.enter:
+        raise TrajectoryError(
+            f"the plan leaves {step.cell} at {step.enter}, when it enters; a stay takes time"
+        )
+    return _length(step)
 
 
 def _index(workspace: Workspace, step: Step) -> int:
@@ -266,12 +278,18 @@ class _Driver:
         facings = (_AHEAD, _ASTERN) if self.driving.reverse else (_AHEAD,)
         if route.start is None:
             return self._cheapest(route.stays, [facings] * len(route.stays))[1]
-        closed = []
+        closed: list[tuple[float, tuple[_Driven, ...]]] = []
+        refusals: list[TrajectoryError] = []
         for facing in facings:
             # Who goes round leaves the loop's first cell facing as the first time.
             allowed = [facings] * len(route.stays)
             allowed[route.start] = allowed[-1] = (facing,)
-            closed.append(self._cheapest(route.stays, allowed))
+            try:
+                closed.append(self._cheapest(route.stays, allowed))
+            except TrajectoryError as refusal:
+                refusals.append(refusal)
+        if not closed:
+            raise refusals[0]
         return min(closed, key=lambda found: found[0])[1]
 
     def _cheapest(
