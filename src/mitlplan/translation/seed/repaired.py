@@ -31,7 +31,7 @@ from mitlplan.logic.core import (
     propositional,
 )
 from mitlplan.logic.interval import Interval
-from mitlplan.translation.compact.translate import Obligations, written
+from mitlplan.translation.compact.translate import Obligations, name_of
 from mitlplan.translation.seed import two_sided
 from mitlplan.translation.seed.exact_transducers import outstanding_pairs
 from mitlplan.translation.seed.two_sided import DelayClocks, Value
@@ -109,7 +109,7 @@ class _Translator:
 
     def _conjunction(self, core: Core, operands: list[Value]) -> Value:
         value = self._fresh()
-        self.transducers.append(two_sided.conjunction(written(core), tuple(operands), value))
+        self.transducers.append(two_sided.conjunction(name_of(core), tuple(operands), value))
         return value
 
     def _until(self, left: Core, right: Core, interval: Interval) -> Value:
@@ -117,18 +117,18 @@ class _Translator:
         core = CoreUntil(left, right, interval)
         if interval.lower_open or (upper is not None and interval.upper_open):
             raise TranslationError(
-                f"the seed construction has no transducer for {written(core)}, whose open bound asks for "
+                f"the seed construction has no transducer for {name_of(core)}, whose open bound asks for "
                 "single instants; use closed bounds, or the compact construction"
             )
         if lower > 0 and left != TRUE and not _implies(right, left):
             raise TranslationError(
-                f"the seed construction has no transducer for {written(core)}, a standard until with a lower "
+                f"the seed construction has no transducer for {name_of(core)}, a standard until with a lower "
                 "bound above 0; use until: closed, or the compact construction"
             )
         if upper is None:
             if lower > 0 and self._until_the_end:
                 raise TranslationError(
-                    f"the seed construction has no {written(core)} for horizon: finite; use the compact "
+                    f"the seed construction has no {name_of(core)} for horizon: finite; use the compact "
                     "construction"
                 )
             return self._lasting(left, right, lower, until_the_end=self._until_the_end)
@@ -143,20 +143,20 @@ class _Translator:
         value = self._unbounded(core, until_the_end=until_the_end)
         if lower == 0:
             return value
-        return self._within(f"F[0,{lower}] !{written(core)}", value.negated, lower).negated
+        return self._within(f"F[0,{lower}] !({name_of(core)})", value.negated, lower).negated
 
     def _unbounded(self, core: CoreUntil, *, until_the_end: bool) -> Value:
         if (core, until_the_end) not in self._untils:
             operands = self.value_of(core.left), self.value_of(core.right)
             value = self._fresh()
-            transducer = two_sided.until(written(core), *operands, value, until_the_end=until_the_end)
+            transducer = two_sided.until(name_of(core), *operands, value, until_the_end=until_the_end)
             self.transducers.append(transducer)
             self._untils[core, until_the_end] = value
         return self._untils[core, until_the_end]
 
     def _eventually(self, operand: Core, lower: Fraction, upper: Fraction) -> Value:
         value, length = self.value_of(operand), upper - lower
-        name = written(CoreUntil(TRUE, operand, Interval(lower, upper)))
+        name = name_of(CoreUntil(TRUE, operand, Interval(lower, upper)))
         if length == 0:
             raise TranslationError(
                 f"the seed construction has no transducer for {name}; widen the interval, or use the compact "
