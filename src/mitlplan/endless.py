@@ -1,12 +1,13 @@
 """Looping plans: the least prefix and cycle that satisfy the mission for ever.
 
-The makespan of a loop is that of the robot's signal, not of the automata that watch it: they may need several
-rounds to settle. So three things are put together. A *lower bound*: whatever the loop ever shows it has shown
-once when its first round ends, hence a relaxed mission, without bounds and without "again", is accomplished
-by then. *Lassos* of the zone graph, timed exactly and folded to the shortest prefix and cycle with the same
-signal: they prove that there is a loop, or that there is none. *Walks* of the robot in order of duration, each
-closed wherever it comes back to a cell and put to the judge: the first that passes is the fastest. Walks stop
-at the best lasso, or when their number does; the answer then carries the bound that was reached.
+The makespan of a loop is that of the robot's signal, not of the automata that watch it: they may need
+several rounds to settle. So three things are put together. A *lower bound*: whatever the loop ever shows it
+has shown once when its first round ends, hence a relaxed mission, without bounds and without "again", is
+accomplished by then. *Lassos* of the zone graph, timed exactly and folded to the shortest prefix and cycle
+with the same signal: they prove that there is a loop, or that there is none. *Walks* of the robot in order
+of duration, each closed wherever it comes back to a cell and put to the judge: the first that passes is the
+fastest. Walks stop at the best lasso, or when their number does; the answer then carries the bound that was
+reached.
 """
 
 from __future__ import annotations
