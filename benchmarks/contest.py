@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from fractions import Fraction
 from statistics import median
 
 from benchmarks.families import Expected, Instance
@@ -44,6 +45,8 @@ class Times:
         Seconds of the planner's stages, one entry a round.
     states
         Stored by the planner.
+    bound
+        The planner has shown that no plan is faster, in seconds.
     given_up
         Why there is no answer.
     """
@@ -52,6 +55,7 @@ class Times:
     solve: list[float] = field(default_factory=list)
     stages: list[Mapping[str, float]] = field(default_factory=list)
     states: int = 0
+    bound: Fraction | None = None
     given_up: str | None = None
 
     @property
@@ -110,6 +114,7 @@ def _planned(mission: Mission, limit: float, times: Times) -> Answer:
     times.states = outcome.statistics.zones
     match outcome:
         case Plan():
+            times.bound = outcome.bound
             return outcome.makespan
         case Infeasible():
             return None

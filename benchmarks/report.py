@@ -22,13 +22,14 @@ LIBRARIES = ("numpy", "scipy", "rustworkx", "ortools")
 INTRODUCTION = """\
 # Performance
 
-Written by `make bench`; do not edit. {commit}, {date}, with
+Written by `make bench`; do not edit.
 
-    {command}
+- {commit}, {date}
+- command: `{command}`
+- machine: {machine}; load average {load} when it began
 
-on {machine}; load average {load} when it began. The machine is shared and noisy: every number is
-the median of up to {rounds} runs in which all contestants took turns, and a ratio compares only
-what ran in turns.
+The machine is shared and noisy: every number is the median of up to {rounds} runs in which all
+contestants took turns, and a ratio compares only what ran in turns.
 
 All times are milliseconds.
 
@@ -36,6 +37,7 @@ All times are milliseconds.
   counted: the start of the process and reading the file. Its parts: *translate* (formula and map to
   tables), *search*, *loops* (looking for looping plans), *check* (the independent judge),
   *conflict* (which requirements exclude each other), *other* (exact times, slack, the plan itself).
+- **least makespan**: in seconds; "none below b" where that is all that has been shown.
 - **states**: zones that the search stored.
 - **peers**: on a product made by hand for this one mission, cells times the progress of the
   formula, as `benchmarks/product.py` writes it down; "to build + to search". Whoever made it has
@@ -43,7 +45,8 @@ All times are milliseconds.
   all moves take 1); a peer computes no slack and checks nothing: it is the limit. Breadth-first
   search is possible since all moves are 1 and a product has no other weights.
 - **ratio**: our *plan* to all that the peer does; behind the bar our *search* to its search. Above
-  1 we are slower."""
+  1 we are slower.
+"""
 
 
 @dataclass(frozen=True)
@@ -186,7 +189,12 @@ def table(rows: Sequence[Row]) -> Iterator[str]:
 def _makespan(row: Row) -> str:
     if isinstance(row.answer, Fraction) and row.answer.denominator > 1:
         return f"{row.answer} = {float(row.answer):.1f}"
-    return str(row.answer)
+    return f"{row.answer} (none below {row.ours.bound})" if _unproved(row) else str(row.answer)
+
+
+def _unproved(row: Row) -> bool:
+    bound = row.ours.bound
+    return isinstance(row.answer, Fraction) and bound is not None and bound < row.answer
 
 
 def _own(times: Times, stages: Sequence[str]) -> list[str]:
@@ -223,32 +231,41 @@ def _beside(ours: Times, peer: Times | None) -> list[str]:
 
 def remarks(section: Section) -> Iterator[str]:
     """Where we are slower and faster, in words."""
-    slower: dict[str, list[tuple[float, Row]]] = {}
-    tried: dict[str, int] = {}
-    unfinished = [row for row in section.rows if row.ours.given_up is not None]
-    for row in section.rows:
-        if row.ours.given_up is not None:
-            continue
-        for name, times in list(row.times.items())[1:]:
-            if times.given_up is not None:
-                continue
-            tried[name] = tried.get(name, 0) + 1
-            if row.ours.total > times.total:
-                slower.setdefault(name, []).append((row.ours.total / times.total, row))
-    for name, count in tried.items():
-        if name not in slower:
-            yield f"- Faster than {name} (build and search) on all {count}."
-            continue
-        worst, row = max(slower[name], key=lambda one: one[0])
-        yield (
-            f"- **Slower than {name}** (build and search) on {len(slower[name])} of {count}, at worst "
-            f"{ratio(worst)} times: {row.instance.name} {row.instance.size}".rstrip()
-            + "."
-        )
+    held = [row for row in section.rows if row.ours.given_up is None]
+    for name in dict.fromkeys(name for row in held for name in list(row.times)[1:]):
+        both = [row for row in held if name in row.times and row.times[name].given_up is None]
+        if both:
+            yield f"- {name}: {_compared(both, name)}."
     yield from _scaled(section.rows)
-    for row in unfinished:
-        if not (row.ours.given_up or "").startswith("not tried"):
-            yield f"- **No answer** to {row.instance.name} {row.instance.size}: {row.ours.given_up}."
+    open_ends = [_called(row) for row in held if _unproved(row)]
+    if open_ends:
+        yield f"- Not shown to be least: {', '.join(open_ends)}."
+    for row in section.rows:
+        if row.ours.given_up is not None and not row.ours.given_up.startswith("not tried"):
+            yield f"- **No answer** to {_called(row)}: {row.ours.given_up}."
+
+
+def _called(row: Row) -> str:
+    return f"{row.instance.name} {row.instance.size}".strip()
+
+
+def _compared(rows: Sequence[Row], name: str) -> str:
+    whole = [(row.ours.total / row.times[name].total, row) for row in rows]
+    parts = [_slower(whole)]
+    built = [row for row in rows if median(row.times[name].prepare) >= PREPARED]
+    if built:
+        searches = [(row.ours.stage("search") / median(row.times[name].solve), row) for row in built]
+        parts.append(f"search to search {_slower(searches)}")
+    return "; ".join(parts)
+
+
+def _slower(ratios: Sequence[tuple[float, Row]]) -> str:
+    slower = sum(one > 1 for one, _ in ratios)
+    if slower == 0:
+        best, row = min(ratios, key=lambda one: one[0])
+        return f"faster on all {len(ratios)}, at best {ratio(1 / best)} times ({_called(row)})"
+    worst, row = max(ratios, key=lambda one: one[0])
+    return f"**slower** on {slower} of {len(ratios)}, at worst {ratio(worst)} times ({_called(row)})"
 
 
 def _scaled(rows: Sequence[Row]) -> Iterator[str]:
