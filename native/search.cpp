@@ -42,16 +42,17 @@ Bound* Search::Arena::allocate(std::size_t count) {
 
 Search::Search(Tables tables, const Options& options)
     : tables_((tables.validate(), std::move(tables))), options_(options), successors_(tables_), tours_(tables_), table_(1024, 0) {
-    first_at_.assign(static_cast<std::size_t>(tables_.driver_locations()), none);
+    const auto driver_locations = static_cast<std::size_t>(tables_.driver_locations());
     // Worth its price where components choose when to act, which makes states differ that need not.
     relief_ = !options_.record && std::ranges::any_of(tables_.locations, [](const Location& location) {
         return location.restless == restless_always;
     });
-    const auto [first, last] = std::pair(tables_.edge_start[0].front(), tables_.edge_start[0][first_at_.size()]);
+    const auto [first, last] = std::pair(tables_.edge_start[0].front(), tables_.edge_start[0][driver_locations]);
     for (Index edge = first; edge < last; ++edge)
         for (const Constraint& constraint : tables_.guards[successors_.driver_move(edge).guard])
             if (constraint.clock == tables_.driver_clock && !constraint.upper)
                 longest_move_ = std::max(longest_move_, -value(constraint.bound));
+    if (relief_) debtors_.resize(driver_locations);
     start();
 }
 
@@ -98,9 +99,7 @@ Index Search::find_state(std::span<const Index> wanted) {
     for (; table_[slot] != 0; slot = (slot + 1) & mask)
         if (std::ranges::equal(locations(table_[slot] - 1), wanted)) return table_[slot] - 1;
     const auto state = static_cast<Index>(states_.size());
-    Index& first_here = first_at_[static_cast<std::size_t>(wanted[0])];
-    states_.push_back({find_active(wanted), none, first_here});
-    first_here = state;
+    states_.push_back({find_active(wanted), none});
     state_locations_.insert(state_locations_.end(), wanted.begin(), wanted.end());
     table_[slot] = state + 1;
     if (states_.size() * 2 > table_.size()) {
@@ -166,17 +165,32 @@ bool Search::relieves(Index easier, Index state) const noexcept {
     return true;
 }
 
+std::uint64_t Search::owing(Index state) const noexcept {
+    std::uint64_t result = 0;
+    const auto here = locations(state);
+    for (std::size_t component = 0; component < here.size(); ++component)
+        if (tables_.locations[static_cast<std::size_t>(here[component])].relief != none)
+            result |= std::uint64_t{1} << (component % 64);
+    return result;
+}
+
+void Search::enlist(Index state) {
+    auto& groups = debtors_[static_cast<std::size_t>(locations(state)[0])];
+    const std::uint64_t owed = owing(state);
+    auto group = std::ranges::find(groups, owed, &Debtors::owing);
+    if (group == groups.end()) group = groups.insert(groups.end(), {owed, {}});
+    group->states.push_back(state);
+}
+
 bool Search::relieved(Index state, const ActiveClocks& clocks, Index moves) {
     const int dimension = clocks.dimension();
-    Index easier = first_at_[static_cast<std::size_t>(locations(state)[0])];
-    for (; easier != none; easier = states_[static_cast<std::size_t>(easier)].next) {
-        const State& other = states_[static_cast<std::size_t>(easier)];
-        if (easier == state || other.first == none || !relieves(easier, state)) continue;
-        const ActiveClocks& fewer = active_[static_cast<std::size_t>(other.active)];
+    const std::uint64_t owed = owing(state);
+    const auto covers = [&](const State& easier) {
+        const ActiveClocks& fewer = active_[static_cast<std::size_t>(easier.active)];
         positions_.clear();
         for (const int clock : fewer.clocks) positions_.push_back(clock == 0 ? 0 : clocks.position(clock));
-        if (std::ranges::find(positions_, static_cast<int>(none)) != positions_.end()) continue;
-        for (NodeId id = other.first; id != none; id = nodes_[static_cast<std::size_t>(id)].next) {
+        if (std::ranges::find(positions_, static_cast<int>(none)) != positions_.end()) return false;
+        for (NodeId id = easier.first; id != none; id = nodes_[static_cast<std::size_t>(id)].next) {
             const Node& node = nodes_[static_cast<std::size_t>(id)];
             if (node.moves > moves) continue;
             const Bound* outer = node.zone;
@@ -187,6 +201,13 @@ bool Search::relieved(Index state, const ActiveClocks& clocks, Index moves) {
             }
             if (included) return true;
         }
+        return false;
+    };
+    for (const Debtors& group : debtors_[static_cast<std::size_t>(locations(state)[0])]) {
+        if ((group.owing & ~owed) != 0) continue;
+        for (const Index easier : group.states)
+            if (easier != state && relieves(easier, state) && covers(states_[static_cast<std::size_t>(easier)]))
+                return true;
     }
     return false;
 }
@@ -205,7 +226,6 @@ void Search::store(NodeId parent, const JointStep& step, Index state, const Acti
         recorded_.push_back({parent, target, marks()});
         recorded_edges_.insert(recorded_edges_.end(), step.edges.begin(), step.edges.end());
     };
-    if (relief_ && relieved(state, clocks, moves)) return;
     NodeId* link = &home.first;
     while (*link != none) {
         Node& other = nodes_[static_cast<std::size_t>(*link)];
@@ -222,8 +242,10 @@ void Search::store(NodeId parent, const JointStep& step, Index state, const Acti
         }
         link = &other.next;
     }
+    if (relief_ && relieved(state, clocks, moves)) return;
     if (nodes_.size() >= static_cast<std::size_t>(std::numeric_limits<NodeId>::max() - 1))
         throw std::overflow_error("more than 2^31 states");
+    if (relief_ && std::exchange(home.listed, true) == false) enlist(state);
     const auto node = static_cast<NodeId>(nodes_.size());
     const std::size_t size = dbm::size(clocks.dimension());
     Bound* const zone = arena_.allocate(size);
@@ -248,17 +270,14 @@ void Search::reach_goal(NodeId parent, const ActiveClocks& clocks, std::span<con
 void Search::take(NodeId parent, const ActiveClocks& clocks, std::span<const Bound> zone, StepKind kind,
                   const JointStep& step, bool silent) {
     if (++steps_tried_ % steps_between_looks_at_the_clock == 0) look_up();
-    guarded_.assign(zone.begin(), zone.end());
-    for (Index component = 1; component < tables_.components(); ++component)
-        if (!successors_.constrain(guarded_, clocks, successors_.edge_of(kind, step, component).guard)) return;
     const Index moves = nodes_[static_cast<std::size_t>(parent)].moves + (silent ? 0 : 1);
-    if (kind != StepKind::move) return reach_goal(parent, clocks, guarded_, kind, step, moves);
+    if (kind != StepKind::move) return reach_goal(parent, clocks, zone, kind, step, moves);
     const Index state = find_state(step.targets);
     const ActiveClocks& after = active_[static_cast<std::size_t>(states_[static_cast<std::size_t>(state)].active)];
     // `clocks` may have moved with the vector that `find_state` lets grow.
     const ActiveClocks& before = active_[static_cast<std::size_t>(
         states_[static_cast<std::size_t>(nodes_[static_cast<std::size_t>(parent)].state)].active)];
-    successors_.settle(guarded_, before, step, after, settled_);
+    successors_.settle(zone, before, step, after, settled_);
     if (!successors_.elapse(settled_, after, step.targets)) return;
     const Estimate estimated = estimate(settled_, after, step.targets, moves);
     if (estimated.time > options_.horizon) return;
@@ -275,9 +294,10 @@ void Search::expand(NodeId id) {
     const bool goals = tables_.time_clock != none;
     const auto enumerate = [&](StepKind kind, Index driver_edge, std::span<const Bound> driven) {
         const bool silent = driver_edge == stands_still || initial;
-        successors_.enumerate(kind, at, driver_edge, [&](const JointStep& step) {
-            take(id, clocks, driven, kind, step, silent);
-        });
+        successors_.enumerate(kind, at, driver_edge, clocks, driven,
+                              [&](const JointStep& step, std::span<const Bound> guarded) {
+                                  take(id, clocks, guarded, kind, step, silent);
+                              });
     };
     const auto [first, last] = successors_.driver_edges(at[0]);
     for (Index edge = first; edge < last; ++edge) {

@@ -94,7 +94,14 @@ private:
     struct State {
         Index active;
         NodeId first;
-        Index next;  // the next one with the same location of the driver
+        bool listed = false;  // among the debtors
+    };
+
+    /// States with zones that share the driver's location and the components, modulo 64, that have a relief: only
+    /// where these are fewer can a state owe less.
+    struct Debtors {
+        std::uint64_t owing;
+        std::vector<Index> states;
     };
 
     /// What lies beyond a state: lower bounds on the time of a goal and on the moves up to it.
@@ -148,6 +155,8 @@ private:
     bool finished() const noexcept;
     /// Whether every component of `easier` is where it is in `state`, or in a relief of that.
     bool relieves(Index easier, Index state) const noexcept;
+    std::uint64_t owing(Index state) const noexcept;
+    void enlist(Index state);
     /// Whether the settled zone lies in one stored for a state that owes less.
     bool relieved(Index state, const ActiveClocks& clocks, Index moves);
     Index find_state(std::span<const Index> locations);
@@ -166,7 +175,7 @@ private:
     std::vector<Index> steps_;  // the joint step that led to each node
     std::vector<State> states_;
     std::vector<Index> state_locations_;
-    std::vector<Index> first_at_;  // by location of the driver: a state there, the others follow
+    std::vector<std::vector<Debtors>> debtors_;  // by location of the driver
     bool relief_ = false;  // whether states are compared with those that owe less
     std::vector<Index> table_;  // open addressing: state + 1
     std::vector<ActiveClocks> active_;
@@ -184,7 +193,6 @@ private:
     std::function<void()> poll_;
     // Room for the work at hand, kept to avoid allocating in the loop.
     std::vector<Bound> driven_;
-    std::vector<Bound> guarded_;
     std::vector<Bound> settled_;
     std::string key_;
     ActiveClocks scratch_;

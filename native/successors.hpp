@@ -50,20 +50,22 @@ public:
           lower_(static_cast<std::size_t>(tables.clocks)),
           upper_(static_cast<std::size_t>(tables.clocks)),
           seen_(static_cast<std::size_t>(tables.clocks)) {
+        guarded_.resize(static_cast<std::size_t>(tables.components()));
         step_.targets.resize(static_cast<std::size_t>(tables.components()));
         step_.edges.resize(static_cast<std::size_t>(tables.components()));
     }
 
-    /// Calls `visit(step)` for each joint step of this kind from `locations`, the driver taking its edge
-    /// `driver_edge` or standing still.
+    /// Calls `visit(step, zone)` for each joint step of this kind from `locations`, the driver taking its edge
+    /// `driver_edge` or standing still, with the part of `zone` that the guards leave.
     template <typename Visit>
-    void enumerate(StepKind kind, std::span<const Index> locations, Index driver_edge, Visit&& visit) {
+    void enumerate(StepKind kind, std::span<const Index> locations, Index driver_edge, const ActiveClocks& clocks,
+                   std::span<const Bound> zone, Visit&& visit) {
         const Index driver_target = driver_edge == stands_still ? locations[0] : driver_move(driver_edge).target;
         step_.targets[0] = driver_target;
         step_.edges[0] = driver_edge;
         const auto emitted = tables_.signal_set(tables_.locations[static_cast<std::size_t>(driver_target)].emits);
         std::ranges::copy(emitted, signals_.begin());
-        descend(kind, locations, 1, visit);
+        descend({kind, locations, clocks}, 1, zone, visit);
     }
 
     /// The edges of the driver at `location`, as indices for `enumerate`.
@@ -139,13 +141,6 @@ public:
         return true;
     }
 
-    /// Intersects a zone with the guards of a joint step; false if nothing is left.
-    bool constrain(std::span<Bound> zone, const ActiveClocks& clocks, StepKind kind, const JointStep& step) const {
-        for (Index component = step.edges[0] == stands_still ? 1 : 0; component < tables_.components(); ++component)
-            if (!constrain(zone, clocks, edge_of(kind, step, component).guard)) return false;
-        return true;
-    }
-
     /// The zone behind a move, before time passes: clocks reset, inactive ones dropped.
     void settle(std::span<const Bound> zone, const ActiveClocks& before, const JointStep& step,
                 const ActiveClocks& after, std::vector<Bound>& result) {
@@ -169,19 +164,25 @@ public:
     }
 
 private:
+    struct Source {
+        StepKind kind;
+        std::span<const Index> locations;
+        const ActiveClocks& clocks;
+    };
+
     template <typename Visit>
-    void descend(StepKind kind, std::span<const Index> locations, Index component, Visit& visit) {
+    void descend(const Source& source, Index component, std::span<const Bound> zone, Visit& visit) {
         if (component == tables_.components()) {
-            visit(static_cast<const JointStep&>(step_));
+            visit(static_cast<const JointStep&>(step_), zone);
             return;
         }
         const auto words = static_cast<std::size_t>(tables_.words);
         const auto position = static_cast<std::size_t>(component);
         const std::uint64_t* const set = &signals_[(position - 1) * words];
         std::uint64_t* const next = &signals_[position * words];
-        const Index location = locations[position];
-        const auto& start = tables_.edge_start[static_cast<std::size_t>(kind)];
-        const auto& edges = tables_.edges[static_cast<std::size_t>(kind)];
+        const Index location = source.locations[position];
+        const auto& start = tables_.edge_start[static_cast<std::size_t>(source.kind)];
+        const auto& edges = tables_.edges[static_cast<std::size_t>(source.kind)];
         const Index last = start[static_cast<std::size_t>(location) + 1];
         for (Index index = start[static_cast<std::size_t>(location)]; index < last; ++index) {
             const Edge& edge = edges[static_cast<std::size_t>(index)];
@@ -192,16 +193,25 @@ private:
             for (std::size_t word = 0; word < words && enabled; ++word)
                 enabled = (reads[word] & ~set[word]) == 0 && (avoids[word] & set[word]) == 0;
             if (!enabled) continue;
+            std::span<const Bound> within = zone;
+            if (!tables_.guards[edge.guard].empty()) {
+                // Constrained here and not at the end, so that what the clocks forbid is not combined any further.
+                auto& guarded = guarded_[position];
+                guarded.assign(zone.begin(), zone.end());
+                if (!constrain(guarded, source.clocks, edge.guard)) continue;
+                within = guarded;
+            }
             for (std::size_t word = 0; word < words; ++word) next[word] = set[word] | emits[word];
             step_.targets[position] = edge.target;
             step_.edges[position] = index;
-            descend(kind, locations, component + 1, visit);
+            descend(source, component + 1, within, visit);
         }
     }
 
     const Tables& tables_;
     std::vector<std::uint64_t> signals_;
     JointStep step_;
+    std::vector<std::vector<Bound>> guarded_;  // by component: the zone within the guards of those before and its own
     std::vector<Ticks> lower_;
     std::vector<Ticks> upper_;
     std::vector<std::uint8_t> seen_;
