@@ -450,3 +450,23 @@ def test_an_interrupt_ends_a_search_with_one_line(tmp_path: Path) -> None:
     _, messages = process.communicate(timeout=30)
     assert time.monotonic() - sent < 5
     assert (process.returncode, messages) == (130, "mitlplan: interrupted\n")
+
+
+# ------------------------------------------------------------------------------------ commands from elsewhere
+
+
+def test_models_and_trajectories_are_commands_too() -> None:
+    assert run("translate", PHI1, "--to", "tchecker").stdout.count("process:") >= 1
+    assert run("trajectory", PHI1).exit_code == 2  # a graph has no geometry
+    help_text = run("--help").stdout
+    for command in ("plan", "check", "satisfiable", "translate", "automaton", "trajectory", "draw"):
+        assert f"\n  {command} " in help_text
+
+
+def test_their_codes_are_kept() -> None:
+    infeasible = run("trajectory", EXAMPLES / "warehouse-infeasible.yaml")
+    assert (infeasible.exit_code, infeasible.stdout) == (1, "")
+    neither = run("automaton")
+    assert neither.exit_code == 2
+    assert "name a mission or a figure, and not both" in neither.stderr
+    assert "error in mitlplan" not in infeasible.stderr + neither.stderr

@@ -74,7 +74,7 @@ def test_the_commands_of_the_readme_work(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mission.yaml").write_text(blocks(page, "yaml")[0], encoding="utf-8")
     commands = re.findall(r"^    mitlplan (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
-    assert {command.split()[0] for command in commands} == {"plan", "check", "satisfiable"}
+    assert {command.split()[0] for command in commands} == {"plan", "check", "draw", "satisfiable"}
     for command in commands:
         result = CliRunner().invoke(app, shlex.split(command, comments=True))
         assert (result.exit_code, result.stderr) == (0, ""), command

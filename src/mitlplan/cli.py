@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Annotated, TextIO
 
 import typer
 
+from mitlplan import cli_models, cli_trajectory
 from mitlplan.errors import MitlplanError
 
 if TYPE_CHECKING:
@@ -420,6 +421,8 @@ def _errors_reported() -> Iterator[None]:
     """Turn whatever goes wrong into a sentence and the exit code that belongs to it."""
     try:
         yield
+    except (typer.Exit, typer.BadParameter):
+        raise  # has its code and its sentence already
     except MitlplanError as error:
         _say(f"mitlplan: {error}")
         raise typer.Exit(BAD_INPUT) from None
@@ -435,3 +438,7 @@ def _errors_reported() -> Iterator[None]:
     except Exception:  # noqa: BLE001  # an error of ours must not leave with the code that means "infeasible"
         _say(f"{traceback.format_exc()}mitlplan: this is an error in mitlplan; please report it")
         raise typer.Exit(OUR_ERROR) from None
+
+
+cli_models.register(app, _errors_reported)
+cli_trajectory.register(app, _errors_reported)
