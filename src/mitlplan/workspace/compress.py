@@ -9,7 +9,7 @@ ways are found breadth-first, hence every move must take the same least time.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 
 import numpy as np
@@ -86,6 +86,8 @@ class _PlainWays:
         From the target of each move out of a plain cell to that cell.
     move_time
         What each move takes at least, in seconds.
+    known
+        The ways through a corridor to a key cell that were looked for before.
     """
 
     keys: NDArray[np.intp]
@@ -93,21 +95,25 @@ class _PlainWays:
     entries: tuple[NDArray[np.int32], ...]
     backwards: csr_array
     move_time: Fraction
+    known: dict[tuple[int, int], list[int]] = field(default_factory=dict)
 
     def expand(self, cell: int, duration: Fraction, after: int | None) -> Iterator[PlannedStay]:
         if cell < len(self.keys):
             yield int(self.keys[cell]), duration
             return
-        way = self.way(cell - len(self.keys), after)
+        corridor = cell - len(self.keys)
+        if after is None:
+            way = [int(self.entries[corridor][0])]
+        elif (corridor, after) in self.known:
+            way = self.known[corridor, after]
+        else:
+            way = self.known[corridor, after] = self.way(corridor, int(self.keys[after]))
         for later, through in enumerate(way):
             yield through, self.move_time if later else duration - (len(way) - 1) * self.move_time
 
-    def way(self, corridor: int, after: int | None) -> list[int]:
+    def way(self, corridor: int, goal: int) -> list[int]:
         """The plain cells of a shortest way to a key cell."""
         entries = self.entries[corridor]
-        if after is None:
-            return [int(entries[0])]
-        goal = int(self.keys[after])
         moves, towards = self.to(goal)
         reached = entries[moves[entries] != UNREACHED]
         at = int(reached[np.argmin(moves[reached])])
