@@ -65,11 +65,12 @@ LONGEST = 20.0
 """Seconds that the engine gets for a mission: most take a hundredth of one."""
 
 
-def disagreements(small: SmallMission) -> list[str]:
+def disagreements(small: SmallMission, *, longest: float = LONGEST, may_give_up: bool = False) -> list[str]:
     """Every sentence on which engine, oracle and judge differ; empty if all is well."""
-    return list(
-        _disagreements(small, plan(mission_of(small), time_limit=LONGEST), oracle(small, bound_for(small)))
-    )
+    outcome = plan(mission_of(small), time_limit=longest)
+    if may_give_up and isinstance(outcome, LimitReached):
+        return []
+    return list(_disagreements(small, outcome, oracle(small, bound_for(small))))
 
 
 def _disagreements(small: SmallMission, outcome: Outcome, answer: Answer | None) -> Iterator[str]:

@@ -8,6 +8,7 @@ may happen at any time, decides whether a formula is satisfiable.
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -242,7 +243,10 @@ class _Planning:
             return self.infeasible()
         with self.stage("loops"):
             if fastest:
-                to_beat = (best.makespan, len(best.steps) - 1) if best else None
+                to_beat = None
+                if best is not None:
+                    # An infimum is beaten by any loop that attains it.
+                    to_beat = best.makespan, len(best.steps) - 1 if best.attained else sys.maxsize
                 loops = fastest_loop(question, to_beat, self.limits)
             else:
                 loops = any_loop(question, self.limits)
