@@ -7,7 +7,7 @@ namespace mitlplan {
 namespace {
 
 constexpr std::size_t block_size = std::size_t{1} << 16;
-constexpr int expansions_between_looks_at_the_clock = 256;
+constexpr int expansions_between_looks_at_the_clock = 16;
 constexpr std::size_t steps_between_looks_at_the_clock = 1024;
 constexpr std::chrono::milliseconds between_polls{50};
 
