@@ -45,6 +45,7 @@ from mitlplan.plan import Infeasible, LimitReached, Loop, Outcome, Plan, Statist
 from mitlplan.search.fastest import Exhausted, Found, Limits, Progress, Stopped, fastest_run
 from mitlplan.search.schedule import STANDS_STILL, schedule
 from mitlplan.search.tables import Tables, tabulate
+from mitlplan.slack import slack_of
 from mitlplan.translation.compact.relax import can_end, parked_label
 from mitlplan.translation.compact.translate import translate
 from mitlplan.workspace.universal import universal
@@ -176,6 +177,7 @@ def plan(
                 fault = check(mission, outcome)
             if fault is not None:
                 raise AssertionError(f"the plan found does not pass the judge, a defect of mitlplan: {fault}")
+            outcome = planning.with_slack(outcome)
             return replace(outcome, checked=True, statistics=planning.statistics())
         case Infeasible():
             with planning.stage("conflict"):
@@ -306,6 +308,14 @@ class _Planning:
             now = leave
         period = sum((stay.duration for stay in loop.cycle), Fraction(0))
         return Plan(tuple(steps), loop.makespan, Loop(len(loop.prefix), period))
+
+    def with_slack(self, found: Plan) -> Plan:
+        """The plan with the slack of each step, which may be more than the run that found it allows."""
+        question = self.question
+        with self.stage("slack"):
+            slack = slack_of(question.workspace, question.core, self.horizon, found, self.limits)
+        steps = (replace(step, slack=one) for step, one in zip(found.steps, slack, strict=True))
+        return replace(found, steps=tuple(steps))
 
     def shown(self, cell: int) -> tuple[str, ...]:
         return tuple(sorted(self.question.workspace.holds(cell)))
