@@ -69,6 +69,17 @@ def test_json_and_dot(mission: Path) -> None:
     assert dot.count(" -> ") == 26
 
 
+def test_the_published_model_is_written_for_tchecker_without_stopped_clocks(tmp_path: Path) -> None:
+    file = tmp_path / "phi2.yaml"
+    file.write_text(PHI1.replace("(!A U B) & F A", "G F[0,2] A"))
+    result = run("translate", file, "--to", "tchecker", "--construction", "published")
+    assert (result.exit_code, result.stderr) == (0, "")
+    network, query = read_tck(result.stdout)
+    found = reach(network, query, latest=Fraction(5))
+    assert found is not None
+    assert found.time == 2
+
+
 def test_a_graph_without_positions_is_written_for_tchecker_too(tmp_path: Path) -> None:
     file = tmp_path / "ring.yaml"
     file.write_text(

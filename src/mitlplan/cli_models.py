@@ -148,7 +148,7 @@ def translated(
     from mitlplan.formats.uppaal import write_uppaal
     from mitlplan.models import model_of_mission
 
-    model = model_of_mission(mission, construction.value)
+    model = model_of_mission(mission, construction.value, stopped_clocks=form is not Format.tchecker)
     match form:
         case Format.uppaal:
             layout = layout_of(mission, model)

@@ -20,6 +20,7 @@ from mitlplan.logic.show import show
 from mitlplan.mission import Mission
 from mitlplan.translation.compact.translate import translate as translate_compact
 from mitlplan.translation.seed.published_network import published_model
+from mitlplan.translation.seed.published_thaw import without_stopped_clocks
 from mitlplan.translation.seed.repaired import translate as translate_seed
 from mitlplan.workspace.abstract import abstract
 
@@ -49,13 +50,18 @@ class MissionModel:
     notes: tuple[str, ...]
 
 
-def model_of_mission(mission: Mission, construction: Construction = "compact") -> MissionModel:
+def model_of_mission(
+    mission: Mission, construction: Construction = "compact", *, stopped_clocks: bool = True
+) -> MissionModel:
     """The network of `mission`.
 
     Parameters
     ----------
     construction
         How the formula becomes automata.
+    stopped_clocks
+        Whether clocks may be stopped, as those of the published construction are; without, it is a larger
+        network with the same runs.
 
     Raises
     ------
@@ -75,7 +81,7 @@ def model_of_mission(mission: Mission, construction: Construction = "compact") -
     ['sys']
     """
     if construction == "published":
-        return _published(mission)
+        return _published(mission, stopped_clocks=stopped_clocks)
     return _in_lockstep(mission, construction)
 
 
@@ -121,11 +127,13 @@ def _in_lockstep(mission: Mission, construction: Literal["compact", "seed"]) -> 
     )
 
 
-def _published(mission: Mission) -> MissionModel:
+def _published(mission: Mission, *, stopped_clocks: bool) -> MissionModel:
     workspace = mission.workspace
     model = published_model(
         formula_of(mission), abstract(workspace, mission.start), names=list(workspace.names)
     )
+    if not stopped_clocks:
+        model = without_stopped_clocks(model)
     return MissionModel(
         network=model.network,
         query=model.query,
