@@ -39,9 +39,7 @@ def compose(
     """
     obligations = translate(core, until_the_end=horizon == "finite")
     predicates = {
-        name: frozenset(
-            index for index, label in enumerate(workspace.label_sets) if holds(predicate, label)
-        )
+        name: frozenset(index for index, label in enumerate(workspace.label_sets) if holds(predicate, label))
         for name, predicate in obligations.predicates.items()
     }
     return Network(abstract(workspace, *starts), obligations.transducers, predicates)

@@ -45,8 +45,7 @@ class Interval:
         if self.lower < 0:
             raise ValueError(f"the interval {self} begins before time 0")
         if self.upper is not None and (
-            self.upper < self.lower
-            or (self.upper == self.lower and (self.lower_open or self.upper_open))
+            self.upper < self.lower or (self.upper == self.lower and (self.lower_open or self.upper_open))
         ):
             raise ValueError(f"the interval {self} contains no time")
 

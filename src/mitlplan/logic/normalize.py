@@ -141,9 +141,7 @@ def accomplishable(formula: Formula, *, positive: bool = True) -> bool:
         case Eventually(operand, interval):
             return (positive or interval.upper is not None) and accomplishable(operand, positive=positive)
         case Always(operand, interval):
-            return (not positive or interval.upper is not None) and accomplishable(
-                operand, positive=positive
-            )
+            return (not positive or interval.upper is not None) and accomplishable(operand, positive=positive)
         case Until(left, right, interval):
             return (positive or interval.upper is not None) and all(
                 accomplishable(side, positive=positive) for side in (left, right)
