@@ -1,6 +1,5 @@
 #include "search.hpp"
 
-#include <cstring>
 
 namespace mitlplan {
 
@@ -125,8 +124,9 @@ Search::Estimate Search::estimate(std::span<const Bound> zone, const ActiveClock
     const auto since_move = [&](int clock) {
         const Ticks least = -value(zone[dbm::entry(dimension, 0, clock)]);
         if (driver == none || driver == clock) return least;
+        // The next move is under way, but everything behind it has still to be driven.
         const Bound difference = zone[dbm::entry(dimension, driver, clock)];
-        return difference == infinity ? Ticks{0} : -value(difference);
+        return difference == infinity ? least - longest_move_ : std::max(least - longest_move_, -value(difference));
     };
     Tours::Subset targets = 0;
     due_.clear();
@@ -226,19 +226,23 @@ void Search::store(NodeId parent, const JointStep& step, Index state, const Acti
         recorded_.push_back({parent, target, marks()});
         recorded_edges_.insert(recorded_edges_.end(), step.edges.begin(), step.edges.end());
     };
+    const std::size_t key = options_.record ? dbm::hash(settled_) ^ static_cast<std::size_t>(state) : 0;
+    if (options_.record) {
+        const auto [first, last] = by_zone_.equal_range(key);
+        for (auto same = first; same != last; ++same) {
+            const Node& other = nodes_[static_cast<std::size_t>(same->second)];
+            if (other.state == state && dbm::equals(zone_of(other), settled_)) return record(same->second);
+        }
+    }
     NodeId* link = &home.first;
-    while (*link != none) {
+    while (!options_.record && *link != none) {
         Node& other = nodes_[static_cast<std::size_t>(*link)];
         const auto old_zone = zone_of(other);
-        if (options_.record) {
-            if (dbm::equals(old_zone, settled_)) return record(*link);
-        } else {
-            if (other.moves <= moves && dbm::includes(old_zone, settled_)) return;
-            if (moves <= other.moves && dbm::includes(settled_, old_zone)) {
-                other.covered = true;
-                *link = other.next;
-                continue;
-            }
+        if (other.moves <= moves && dbm::includes(old_zone, settled_)) return;
+        if (moves <= other.moves && dbm::includes(settled_, old_zone)) {
+            other.covered = true;
+            *link = other.next;
+            continue;
         }
         link = &other.next;
     }
@@ -252,6 +256,7 @@ void Search::store(NodeId parent, const JointStep& step, Index state, const Acti
     std::ranges::copy(settled_, zone);
     nodes_.push_back({state, parent, home.first, moves, zone, false});
     home.first = node;
+    if (options_.record) by_zone_.emplace(key, node);
     steps_.insert(steps_.end(), step.edges.begin(), step.edges.end());
     waiting_.push({estimated.time, estimated.moves, -moves, node});
     record(node);

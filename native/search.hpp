@@ -182,6 +182,7 @@ private:
     std::unordered_map<std::string, Index> active_index_;
     std::priority_queue<Waiting, std::vector<Waiting>, std::greater<>> waiting_;
     Arena arena_;
+    std::unordered_multimap<std::size_t, NodeId> by_zone_;  // the recorded states, by locations and zone
     Goal goal_;
     std::vector<RecordedStep> recorded_;
     std::vector<Index> recorded_edges_;
