@@ -233,7 +233,7 @@ def _many_walks(workspace: Workspace, start: int, tick: Fraction, before: Fracti
     none = np.zeros(workspace.move_count)
     # How often each move is made, by the time when.
     made: dict[Fraction, NDArray[np.float64]] = {}
-    arrivals = np.zeros(workspace.cell_count)
+    arrivals: NDArray[np.float64] = np.zeros(workspace.cell_count)
     arrivals[start] = 1
     now, count = Fraction(0), 1.0
     while count < HOPELESSLY_MANY:

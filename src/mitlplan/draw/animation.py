@@ -59,7 +59,7 @@ def animation(
     end = float(trajectory.end)
     rate = max(1.0, end / _LONGEST_SECONDS) if speed is None else speed
     count = max(2, round(end / rate * _FRAMES_A_SECOND) + 1)
-    samples = trajectory.sample_at(np.linspace(0.0, end, count))
+    samples = trajectory.sample_at(np.linspace(0.0, end, count, dtype=np.float64))
     with settings():
         drawn = picture(workspace, trajectory=trajectory, title=title)
         size = 1.5 * mark_size(workspace) if radius is None else 0.7 * radius

@@ -30,7 +30,7 @@ _MOST_ARROWS = 40
 _SAMPLES_A_PIECE = 120
 _MOST_SAMPLES = 40_000
 _INSTANT = 1e-9
-_WHOLE = np.linspace(0.0, 1.0, 3)
+_WHOLE = np.linspace(0.0, 1.0, 3, dtype=np.float64)
 
 
 def time_colour(share: float | Array) -> Any:

@@ -116,7 +116,7 @@ class _Graph:
         """The strongly connected parts in which every mark is met: their states and their inner steps."""
         count = self.search.stored
         ones = np.ones(len(self.source), dtype=np.int8)
-        adjacency = csr_array((ones, (self.source, self.target)), (count, count))
+        adjacency: Any = csr_array((ones, (self.source, self.target)), (count, count))
         _, part = connected_components(adjacency, connection="strong")
         inner = np.flatnonzero(part[self.source] == part[self.target])
         order = inner[np.argsort(part[self.source[inner]], kind="stable")]
@@ -219,11 +219,11 @@ def _least_period(constraints: Sequence[Difference], first: int, length: int) ->
             columns_.append(column)
             entries.append(entry)
         bounds.append(-one.weight)
-    # The stubs of scipy know dense matrices only.
+    # The stubs of scipy know dense matrices and, in some releases, a single bound only.
     matrix: Any = csr_array((entries, (rows, columns_)), shape=(len(constraints), variables))
     objective = np.zeros(variables)
     objective[first] = objective[-1] = 1
-    limits = [(0, 0), *[(0, None)] * (variables - 1)]
+    limits: Any = [(0, 0), *[(0, None)] * (variables - 1)]
     solution = linprog(objective, A_ub=matrix, b_ub=bounds, bounds=limits, method="highs")
     if solution.status != 0 or solution.x is None:
         return None

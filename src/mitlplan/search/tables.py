@@ -489,7 +489,7 @@ def _put_edges(
         [head, np.array([*rows.start, len(rows.rows)], dtype=np.int32) + driver_count]
     ).astype(np.int32)
     for index, name in enumerate(names):
-        front = np.zeros(driver_count, dtype=np.int32)
+        front: NDArray[np.int32] = np.zeros(driver_count, dtype=np.int32)
         if driver is not None and name in driver:
             front = driver[name].astype(np.int32)
         columns[f"{kind}_{name}"] = np.concatenate([front, own[:, index]]).astype(np.int32)

@@ -171,9 +171,10 @@ def _measured(way: Passage, style: Style, motion: Motion) -> Choice:
 
 def _greatest(value: Callable[[Array], Array]) -> float:
     """The maximum over the second, looked for once more around the greatest sample."""
-    time = np.linspace(0.0, 1.0, _SAMPLES)
+    time = np.linspace(0.0, 1.0, _SAMPLES, dtype=np.float64)
     place = int(np.argmax(value(time)))
-    around = np.linspace(time[max(place - 1, 0)], time[min(place + 1, _SAMPLES - 1)], _SAMPLES)
+    low, high = time[max(place - 1, 0)], time[min(place + 1, _SAMPLES - 1)]
+    around = np.linspace(low, high, _SAMPLES, dtype=np.float64)
     return float(max(value(time)[place], value(around).max()))
 
 

@@ -41,4 +41,5 @@ class Profile(Enum):
     def progress(self, share: Array) -> tuple[Array, Array, Array]:
         """The share that is done, and its first and second derivatives."""
         done = Polynomial(self.value)
-        return done(share), done.deriv()(share), done.deriv(2)(share)
+        first, second = done.deriv(), done.deriv(2)
+        return np.asarray(done(share)), np.asarray(first(share)), np.asarray(second(share))

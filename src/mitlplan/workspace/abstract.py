@@ -9,6 +9,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mitlplan.automata.transducer import NEVER, MapAutomaton
 from mitlplan.workspace.workspace import UNLIMITED, Workspace
@@ -27,8 +28,8 @@ def abstract(workspace: Workspace, *starts: int) -> MapAutomaton:
     """
     durations = workspace.durations
     if workspace.waiting:
-        most = np.full(workspace.move_count, NEVER, dtype=np.int32)
-        invariant = np.full(workspace.cell_count, NEVER, dtype=np.int32)
+        most: NDArray[np.int32] = np.full(workspace.move_count, NEVER, dtype=np.int32)
+        invariant: NDArray[np.int32] = np.full(workspace.cell_count, NEVER, dtype=np.int32)
     else:
         # Ranks make indices into the durations comparable, also where a move is unlimited.
         order = sorted(range(len(durations)), key=durations.__getitem__)

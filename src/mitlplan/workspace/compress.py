@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -125,7 +126,8 @@ class _PlainWays:
 
     def to(self, goal: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         """The number of moves from each plain cell through plain cells to `goal`, and the first of them."""
-        order, towards = breadth_first_order(self.backwards, goal)
+        backwards: Any = self.backwards  # the stubs of some releases do not know that it is two-dimensional
+        order, towards = breadth_first_order(backwards, goal)
         place = np.empty(len(towards), dtype=np.int64)
         place[order] = np.arange(len(order))
         parents = place[towards[order[1:]]]
@@ -210,7 +212,8 @@ def look_alike(workspace: Workspace, told_apart: Iterable[Collection[int]]) -> N
     labels = range(len(workspace.label_sets))
     rows = [[label in where for label in labels] for where in told_apart]
     _, classes = np.unique(np.array(rows).reshape(-1, len(labels)), axis=1, return_inverse=True)
-    return classes.reshape(-1)[workspace.label_of]
+    looks: NDArray[np.intp] = classes.reshape(-1)[workspace.label_of]
+    return looks
 
 
 def _move_time(workspace: Workspace) -> Fraction | None:
@@ -265,7 +268,8 @@ def _small_moves(
         if count > MOST_MOVES:
             return None
     rows = np.concatenate(blocks)
-    return rows[np.lexsort((rows[:, 1], rows[:, 0]))]
+    ordered: NDArray[np.int64] = rows[np.lexsort((rows[:, 1], rows[:, 0]))]
+    return ordered
 
 
 def _small_workspace(
