@@ -223,8 +223,43 @@ ROBOTS = {
     ),
     "{start: }": "3:15: robot.start: a name is expected, not ''",
     "{strat: r0c0}": "3:9: robot: unknown key 'strat'; did you mean 'start'?",
-    "{start: r0c0, heading: 0}": "3:22: robot: 'heading' is not yet supported; leave it out",
-    "r0c0": "3:8: robot: keys with values are expected, such as start: ...",
+    "{start: r0c0, heading: 0}": (
+        "3:22: robot: 'heading' needs the robot's speed, from which the times of moves are computed"
+    ),
+    "{start: r0c0, headings: true}": (
+        "3:22: robot: 'headings' needs the robot's speed, from which the times of moves are computed"
+    ),
+    "{start: r0c0, speed: -1/2}": ("3:29: robot.speed: -1/2 is negative; write 0 or a positive number"),
+    "{start: r0c0, speed: 0}": (
+        "3:29: robot.speed: a positive number is expected; a limit that the robot does not have is left out"
+    ),
+    "{start: r0c0, speed: fast}": (
+        "3:29: robot.speed: 'fast' is not a number; write one such as 5, 2.5 or 7/2"
+    ),
+    "{start: r0c0, speed: 1, turn_rate: 0}": (
+        "3:43: robot.turn_rate: a positive number is expected; a limit that the robot does not have is left "
+        "out"
+    ),
+    "{start: r0c0, speed: 1, radius: -1}": (
+        "3:40: robot.radius: -1 is negative; write 0 or a positive number"
+    ),
+    "{start: r0c0, speed: 1, heading: up}": (
+        "3:41: robot.heading: a heading is a number of radians or one of east, northeast, north, northwest, "
+        "west, southwest, south, southeast, not up"
+    ),
+    "{start: r0c0, speed: 1, headings: 2}": "3:42: robot.headings: true or false is expected, not '2'",
+    "{start: r0c0, speed: 1, rest_to_rest: soft}": (
+        "3:46: robot.rest_to_rest: true, false, cubic or quintic is expected, not 'soft'"
+    ),
+    "{start: r0c0, speed: 1, acceleration: 1}": (
+        "3:32: robot: 'acceleration' needs rest_to_rest: true; otherwise the controls jump, which no "
+        "acceleration allows"
+    ),
+    "{start: r0c0, speed: 1, radius: 2}": (
+        "3:8: robot: a cell of 1 m by 1 m cannot be crossed: a robot of radius 2 m does not fit: "
+        "the spot U-turn comes as near as 0.5 m to a wall"
+    ),
+    "r0c0": "3:8: robot: keys with values are expected, such as start: ..., speed: ...",
 }
 
 SPECS = {
@@ -282,6 +317,26 @@ def test_regions(tmp_path: Path, region: str, message: str) -> None:
 @pytest.mark.parametrize(("robot", "message"), ROBOTS.items())
 def test_robots(tmp_path: Path, robot: str, message: str) -> None:
     assert refusal(tmp_path, f"{HEAD}{GRID}robot: {robot}\n{SPEC}") == message
+
+
+@pytest.mark.parametrize("headings", ["true", "false"])
+def test_a_robot_on_a_map_without_geometry(tmp_path: Path, headings: str) -> None:
+    text = with_move("{from: dock, to: dock, time: 1}")
+    asked = text.replace("{start: dock}", f"{{start: dock, speed: 1, headings: {headings}}}")
+    assert asked != text
+    found = refusal(tmp_path, asked)
+    assert found.endswith(
+        "robot: this map says nothing of where its cells lie, so no robot can be sent across it; "
+        "use a grid or another map with a geometry"
+    )
+
+
+@pytest.mark.parametrize("key", ["move_time", "diagonal_time"])
+def test_a_robot_and_times_of_moves_too(tmp_path: Path, key: str) -> None:
+    text = on_grid(f"{key}: 1").replace("{start: r0c0}", "{start: r0c0, speed: 1}")
+    assert refusal(tmp_path, text) == (
+        f"6:5: workspace.grid: the robot's speed gives the times of moves; leave {key} out, or the speed"
+    )
 
 
 @pytest.mark.parametrize(("spec", "message"), SPECS.items())

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
 from pathlib import Path
@@ -23,7 +23,8 @@ from mitlplan.errors import MitlplanError, OutputError, TrajectoryError
 if TYPE_CHECKING:
     from mitlplan.mission import Mission
     from mitlplan.plan import Plan
-    from mitlplan.trajectory import Trajectory
+    from mitlplan.trajectory import Robot, Trajectory
+    from mitlplan.workspace import Workspace
 
 Reported = Callable[[], AbstractContextManager[None]]
 
@@ -151,12 +152,13 @@ def register(app: typer.Typer, reported: Reported | None = None) -> None:
         drive: DriveOptions = None,
     ) -> None:
         """Draw the map with its regions, and the plan or the trajectory on it."""
+        from mitlplan.formats.output import write_whole
+
         with reporting():
             wishes = _wishes(robot or (), drive or ())
             _check_output(output, needed="")
             kind = _picture_kind(output, shown)
-            output_bytes = _drawn(mission, plan, kind, shown, title, wishes)
-            _write_bytes(output, output_bytes)
+            write_whole(output, _drawn(mission, plan, kind, shown, title, wishes))
 
 
 # -------------------------------------------------------------------------------------------------- wishes
@@ -259,6 +261,7 @@ def _driven(mission: Mission, plan: Plan, wishes: _Wishes) -> tuple[Plan, Trajec
     from mitlplan.check import check
     from mitlplan.trajectory import Driving, Profile, Style, Waiting, Weights, follow, retime, spans_of
 
+    model = mission.robot
     weights = [wishes.exact(f"{name}_weight") for name in ("linear", "angular")]
     if 0 in weights:
         raise TrajectoryError("the weights of speed and turn rate are positive numbers")
@@ -266,11 +269,13 @@ def _driven(mission: Mission, plan: Plan, wishes: _Wishes) -> tuple[Plan, Trajec
         weights=Weights(*(1.0 if weight is None else float(weight) for weight in weights)),
         turn=wishes.choice("turn", Style),
         u_turn=wishes.choice("u_turn", Style),
-        profile=wishes.choice("profile", Profile) or Profile.EVEN,
+        profile=wishes.choice("profile", Profile) or (model.driving.profile if model else Profile.EVEN),
         reverse=wishes.wanted("reverse"),
     )
     waiting = wishes.choice("waiting", Waiting) or Waiting.ENTRY
-    robot, heading = _robot(wishes), wishes.angle("heading")
+    robot, heading = _robot(mission, wishes), wishes.angle("heading")
+    if heading is None and model is not None:
+        heading = model.heading
     if wishes.wanted("retime"):
         spans = spans_of(plan, mission.workspace, robot=robot, driving=driving, heading=heading)
         plan = retime(plan, spans, lambda slower: check(mission, slower) is None, wishes.exact("deadline"))
@@ -289,16 +294,24 @@ def _driven(mission: Mission, plan: Plan, wishes: _Wishes) -> tuple[Plan, Trajec
     return plan, trajectory
 
 
-def _robot(wishes: _Wishes) -> Any:
+def _robot(mission: Mission, wishes: _Wishes) -> Robot:
+    """The mission's robot, with what was said of it here in the place of what the mission says."""
     from mitlplan.trajectory import Robot
 
-    return Robot(
-        speed=wishes.exact("speed"),
-        turn_rate=wishes.exact("turn_rate"),
-        acceleration=wishes.exact("acceleration"),
-        turn_acceleration=wishes.exact("turn_acceleration"),
-        radius=wishes.exact("radius") or Fraction(0),
-    )
+    model = Robot() if mission.robot is None else mission.robot.robot
+    said: dict[str, Any] = {name: wishes.exact(name) for name in wishes.robot if name != "heading"}
+    return replace(model, **said)
+
+
+def _on_the_ground(mission: Mission, plan: Plan) -> tuple[Workspace, Plan]:
+    """The map as it was given, and the plan on it, without the headings that the mission's cells may have."""
+    model, world = mission.robot, mission.workspace
+    if model is None:
+        return world, plan
+    indices = [world.index_of(step.cell) for step in plan.steps]
+    names = [model.ground.names[model.cell_of[index]] for index in indices if index is not None]
+    steps = (replace(step, cell=name) for step, name in zip(plan.steps, names, strict=True))
+    return model.ground, replace(plan, steps=tuple(steps))
 
 
 # ------------------------------------------------------------------------------------------------- writing
@@ -367,15 +380,18 @@ def _drawn(mission: Path, plan: Path | None, kind: Any, shown: Shown, title: str
     except ImportError:
         raise OutputError("pictures need the package matplotlib: pip install 'mitlplan[draw]'") from None
     if shown is Shown.map:
-        return rendered(picture(read(mission).workspace, title=title), kind)
+        read_mission = read(mission)
+        model = read_mission.robot
+        return rendered(picture(model.ground if model else read_mission.workspace, title=title), kind)
     found, planned = _planned(mission, plan)
     if shown is Shown.plan:
-        return rendered(picture(found.workspace, planned, title=title), kind)
+        return rendered(picture(*_on_the_ground(found, planned), title=title), kind)
     planned, driven = _driven(found, planned, wishes)
+    ground, planned = _on_the_ground(found, planned)
     if kind == "gif":
-        radius = wishes.exact("radius")
-        return animation(found.workspace, driven, radius=float(radius) if radius else None, title=title)
-    return rendered(picture(found.workspace, planned, driven, title=title), kind)
+        radius = float(_robot(found, wishes).radius)
+        return animation(ground, driven, radius=radius or None, title=title)
+    return rendered(picture(ground, planned, driven, title=title), kind)
 
 
 def _check_output(output: Path | None, *, needed: str) -> None:
@@ -385,13 +401,6 @@ def _check_output(output: Path | None, *, needed: str) -> None:
         check_writable(output)
     elif needed:
         raise OutputError(needed)
-
-
-def _write_bytes(output: Path, data: bytes) -> None:
-    try:
-        output.write_bytes(data)
-    except OSError as error:
-        raise OutputError(f"cannot write {output}: {error.strerror}") from None
 
 
 def _say(message: str) -> None:

@@ -8,18 +8,20 @@ built by the function that anybody may call without a file.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, Union, get_args
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, Union, get_args
 
+import numpy as np
 from pydantic import ValidationError
 
 from mitlplan.document import Document, Fault, read_document
-from mitlplan.errors import FormulaError, WorkspaceError
+from mitlplan.errors import FormulaError, TrajectoryError, WorkspaceError
 from mitlplan.exact import Number, exact
 from mitlplan.logic.formula import Atom, Formula, operands_of
 from mitlplan.logic.normalize import warnings
@@ -32,13 +34,18 @@ from mitlplan.mission_schema import (
     MissionKeys,
     MovingaiKeys,
     Region,
+    RobotKeys,
     SquaresKeys,
     WorkspaceKeys,
     faults,
 )
 from mitlplan.workspace import Box, Move, Workspace, graph, grid, movingai
+from mitlplan.workspace.motion import COMPASS, Indices, with_headings, with_travel_times
 from mitlplan.workspace.names import advise
 from mitlplan.workspace.regions import Part
+
+if TYPE_CHECKING:
+    from mitlplan.trajectory import Driving, Robot
 
 Horizon: TypeAlias = Literal["infinite", "finite"]
 UntilKind: TypeAlias = Literal["standard", "closed"]
@@ -56,6 +63,31 @@ class Requirement:
     name: str
     text: str
     formula: Formula
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RobotModel:
+    """The robot from which the times of moves were computed.
+
+    Parameters
+    ----------
+    robot
+        Its limits.
+    driving
+        How it is driven.
+    heading
+        How it faces at first, in radians; ``None``: as it likes.
+    ground
+        The map as it was given.
+    cell_of
+        For each cell of the mission's workspace the cell of `ground`; with headings there are several.
+    """
+
+    robot: Robot
+    driving: Driving
+    heading: float | None
+    ground: Workspace
+    cell_of: Indices
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -78,6 +110,8 @@ class Mission:
         The file that it was read from, if any.
     warnings
         Sentences on what is legal and surely not meant.
+    robot
+        What the times of moves were computed from; ``None`` if the map gives them.
     """
 
     workspace: Workspace
@@ -88,6 +122,7 @@ class Mission:
     epsilon: Fraction = Fraction(1, 1000)
     source: Path | None = None
     warnings: tuple[str, ...] = ()
+    robot: RobotModel | None = None
 
 
 def read(
@@ -244,10 +279,13 @@ def _overridden(
 def _mission(keys: MissionKeys, document: Document, folder: Path, source: Path | None) -> Mission:
     kind, kind_keys = _kind(keys.workspace)
     _check_propositions(kind_keys, document, ("workspace", kind))
-    workspace = _workspace(kind_keys, document, folder, ("workspace", kind))
+    workspace = _workspace(_timed(keys, kind_keys, kind, document), document, folder, ("workspace", kind))
     known = sorted(workspace.propositions.union(kind_keys.propositions))
     start = _start(keys.robot.start, workspace, document)
     requirements = tuple(_requirements(keys.spec, known, document))
+    robot = None
+    if keys.robot.speed is not None:
+        workspace, start, robot = _driven(keys.robot, workspace, start, document)
     return Mission(
         workspace=workspace,
         start=start,
@@ -257,6 +295,7 @@ def _mission(keys: MissionKeys, document: Document, folder: Path, source: Path |
         epsilon=keys.epsilon,
         source=source,
         warnings=tuple(_warnings(keys.spec, requirements, keys.until, document)),
+        robot=robot,
     )
 
 
@@ -354,6 +393,54 @@ def _start(start: str | tuple[int, int], workspace: Workspace, document: Documen
         problem = f"no cell is called {name}; {workspace.advise(name)}"
         raise document.error(Fault(problem, ("robot", "start")))
     return index
+
+
+# -------------------------------------------------------------------------------------------------- the robot
+
+
+def _timed(
+    keys: MissionKeys, kind_keys: GraphKeys | GridKeys | MovingaiKeys, kind: str, document: Document
+) -> GraphKeys | GridKeys | MovingaiKeys:
+    """The keys of the map, where a robot with a speed stands in for the times of moves."""
+    if keys.robot.speed is None or isinstance(kind_keys, GraphKeys):
+        return kind_keys
+    for key in ("move_time", "diagonal_time"):
+        if key in kind_keys.model_fields_set:
+            problem = f"the robot's speed gives the times of moves; leave {key} out, or the speed"
+            raise document.error(Fault(problem, ("workspace", kind), key))
+    # The builder wants a time for diagonal moves; it is replaced like all others.
+    return kind_keys.model_copy(update={"diagonal_time": 1}) if kind_keys.neighbours == 8 else kind_keys
+
+
+def _driven(
+    keys: RobotKeys, ground: Workspace, start: int, document: Document
+) -> tuple[Workspace, int, RobotModel]:
+    """The map with the times that the robot needs, the cell in which it starts there, and the robot."""
+    from mitlplan.trajectory import DrivenTimes, Driving, Profile, Robot
+
+    heading = _heading(keys.heading, document)
+    robot = Robot(keys.speed, keys.turn_rate, keys.acceleration, keys.turn_acceleration, keys.radius)
+    driving = Driving(profile=Profile[keys.rest_to_rest.upper()])
+    times = DrivenTimes(robot, driving)
+    try:
+        if keys.headings:
+            headed = with_headings(ground, times, start, heading)
+            model = RobotModel(robot, driving, heading, ground, headed.cell_of)
+            return headed.workspace, headed.start, model
+        same = np.arange(ground.cell_count, dtype=np.int32)
+        model = RobotModel(robot, driving, heading, ground, same)
+        return with_travel_times(ground, times, start, heading), start, model
+    except (TrajectoryError, WorkspaceError) as error:
+        raise document.error(Fault(str(error), ("robot",))) from None
+
+
+def _heading(heading: str | float | None, document: Document) -> float | None:
+    if not isinstance(heading, str):
+        return heading
+    if heading not in COMPASS:
+        problem = f"a heading is a number of radians or one of {', '.join(COMPASS)}, not {heading}"
+        raise document.error(Fault(problem, ("robot", "heading")))
+    return COMPASS.index(heading) * math.pi / 4
 
 
 # ------------------------------------------------------------------------------------------- the requirements

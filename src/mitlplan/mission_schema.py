@@ -10,8 +10,9 @@ from __future__ import annotations
 import difflib
 import reprlib
 from collections.abc import Iterator, Mapping, Sequence
+from decimal import Decimal
 from fractions import Fraction
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Union
 
 from pydantic import (
     BaseModel,
@@ -79,6 +80,40 @@ def _tolerance(value: object) -> Fraction:
     return tolerance
 
 
+def _limit(value: object) -> Fraction:
+    limit = exact(value)  # type: ignore[arg-type]  # exact refuses what is no number
+    if limit == 0:
+        raise ValueError("a positive number is expected; a limit that the robot does not have is left out")
+    return limit
+
+
+def _length(value: object) -> Fraction:
+    return exact(value)  # type: ignore[arg-type]  # exact refuses what is no number
+
+
+def _heading(value: object) -> str | float:
+    """Radians of either sign, or a word, which is looked up where the directions of moves are known."""
+    match value:
+        case str() if value.isalpha():
+            return value
+        case str() if value.startswith("-"):
+            return -float(_length(value[1:]))
+        case int() | Fraction() | Decimal() if value < 0:
+            return -float(_length(-value))
+    return float(_length(value))
+
+
+def _profile(value: object) -> Literal["even", "cubic", "quintic"]:
+    match value:
+        case "cubic" | "quintic":
+            return "cubic" if value == "cubic" else "quintic"
+        case True | "true":
+            return "cubic"
+        case False | "false":
+            return "even"
+    raise ValueError(f"true, false, cubic or quintic is expected, not {shorten(value)}")
+
+
 def _version(value: object) -> int:
     if value not in (1, "1"):
         raise ValueError(f"version 1 of the format is read here, not {shorten(value)}")
@@ -115,6 +150,21 @@ Version = Annotated[int, PlainValidator(_version), WithJsonSchema({"const": 1})]
 Flag = Annotated[bool, PlainValidator(_flag), WithJsonSchema({"type": "boolean"})]
 Name = Annotated[str, PlainValidator(_name), WithJsonSchema({"type": "string", "minLength": 1})]
 Tolerance = Annotated[Fraction, PlainValidator(_tolerance), WithJsonSchema(_NUMBER_SCHEMA)]
+_LIMIT_SCHEMA: dict[str, Any] = {
+    "anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string", "pattern": PATTERN}]
+}
+Limit = Annotated[Fraction, PlainValidator(_limit), WithJsonSchema(_LIMIT_SCHEMA)]
+Length = Annotated[Fraction, PlainValidator(_length), WithJsonSchema(_NUMBER_SCHEMA)]
+Heading = Annotated[
+    Union[str, float],
+    PlainValidator(_heading),
+    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "minLength": 1}]}),
+]
+RestToRest = Annotated[
+    Literal["even", "cubic", "quintic"],
+    PlainValidator(_profile),
+    WithJsonSchema({"anyOf": [{"type": "boolean"}, {"enum": ["cubic", "quintic"]}]}),
+]
 Formula = Annotated[str, PlainValidator(_formula), WithJsonSchema({"type": "string", "minLength": 1})]
 # Read by the workspace's builder, which knows what a move's time may be.
 Time = Annotated[
@@ -265,11 +315,44 @@ def _start_kind(value: object) -> str:
 
 
 class RobotKeys(Keys):
-    """The robot: where it starts, as a cell's name or [row, column]."""
+    """The robot: where it starts, as a cell's name or [row, column], and what it can do.
 
-    not_yet = ("heading", "speed", "turn_rate", "radius")
+    With a speed, the moves take as long as the robot needs for them; the other keys say more of it.
+    """
 
     start: Annotated[Annotated[Name, Tag("name")] | Annotated[Cell, Tag("cell")], Discriminator(_start_kind)]
+    speed: Limit | None = Field(default=None, description="Metres a second; moves take their times from it.")
+    turn_rate: Limit | None = Field(default=None, description="Radians a second.")
+    acceleration: Limit | None = Field(default=None, description="Metres a second squared.")
+    turn_acceleration: Limit | None = Field(default=None, description="Radians a second squared.")
+    heading: Heading | None = Field(
+        default=None, description="How it faces at first: radians, or east, northeast, north, ..."
+    )
+    radius: Length = Field(default=Fraction(0), description="Of the disc that covers it, in metres.")
+    headings: Flag = Field(
+        default=False, description="Whether a move takes as long as its own turn; cells are then r0c1@east."
+    )
+    rest_to_rest: RestToRest = Field(
+        default="even", description="Whether every motion begins and ends at rest; true is cubic."
+    )
+
+    @model_validator(mode="after")
+    def _belong_together(self) -> RobotKeys:
+        given = [key for key in type(self).model_fields if key in self.model_fields_set and key != "start"]
+        if given and self.speed is None:
+            raise PydanticCustomError(
+                "key",
+                "'{key}' needs the robot's speed, from which the times of moves are computed",
+                {"key": given[0]},
+            )
+        sudden = [key for key in given if key.endswith("acceleration")]
+        if sudden and self.rest_to_rest == "even":
+            raise PydanticCustomError(
+                "key",
+                "'{key}' needs rest_to_rest: true; otherwise the controls jump, which no acceleration allows",
+                {"key": sudden[0]},
+            )
+        return self
 
 
 def _spec_kind(value: object) -> str:

@@ -1,6 +1,6 @@
 """Files that are written whole or not at all.
 
-A reader never sees half a file, and an error leaves what was there before: the text goes to a file beside,
+A reader never sees half a file, and an error leaves what was there before: the content goes to a file beside,
 which takes the place of the other at the end.
 """
 
@@ -26,8 +26,8 @@ def check_writable(file: Path) -> None:
         raise OutputError(f"cannot write {file}: there is no folder {file.parent}")
 
 
-def write_whole(file: Path, text: str) -> None:
-    """Write `text` to `file`, or leave everything as it was.
+def write_whole(file: Path, content: str | bytes) -> None:
+    """Write `content` to `file`, text as UTF-8, or leave everything as it was.
 
     Raises
     ------
@@ -37,19 +37,20 @@ def write_whole(file: Path, text: str) -> None:
     check_writable(file)
     # The target of a link is replaced, not the link; what is no file, such as a pipe, can only be written to.
     file = file.resolve()
+    data = content.encode("utf-8") if isinstance(content, str) else content
     try:
         if file.exists() and not file.is_file():
-            file.write_text(text, encoding="utf-8")
+            file.write_bytes(data)
         else:
-            _replace(file, text)
+            _replace(file, data)
     except OSError as error:
         raise OutputError(f"cannot write {file}: {error.strerror}") from None
 
 
-def _replace(file: Path, text: str) -> None:
+def _replace(file: Path, data: bytes) -> None:
     beside = file.with_name(f".{file.name}.{os.getpid()}")
     try:
-        beside.write_text(text, encoding="utf-8")
+        beside.write_bytes(data)
         beside.replace(file)
     except BaseException:
         beside.unlink(missing_ok=True)

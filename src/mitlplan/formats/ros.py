@@ -8,7 +8,6 @@ gets the one message. The bag has the metadata of version 8, which ROS 2 reads f
 
 from __future__ import annotations
 
-import shutil
 import tempfile
 from enum import Enum
 from fractions import Fraction
@@ -84,7 +83,7 @@ def write_bag(
         with tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent) as beside:
             written = Path(beside) / folder.name
             _write(written, samples, plan, storage, frame, start)
-            shutil.move(written, folder)
+            written.rename(folder)
     except OSError as error:
         raise OutputError(f"cannot write {folder}: {error.strerror}") from None
 

@@ -123,9 +123,9 @@ def obstacle(choice: Choice, duration: float, robot: Robot) -> str:
             f"the {choice.motion.name} comes as near as {choice.clearance:.3g} m to a wall"
         )
     need, limit = max(_needs(choice, robot))
+    if math.isinf(need):
+        return f"the {limit} cannot be kept where the controls jump; ask for a profile from rest to rest"
     if need > duration * (1 + _SLACK):
-        if math.isinf(need):
-            return f"the {limit} cannot be kept where the controls jump; ask for a profile from rest to rest"
         return f"the {choice.motion.name} takes {need:.4g} s because of the {limit}, but has {duration:.4g} s"
     return ""
 

@@ -26,7 +26,8 @@ Indices: TypeAlias = NDArray[np.int32]
 
 _TOUCHING = 1e-9
 _DIGITS = 9
-_COMPASS = ("east", "northeast", "north", "northwest", "west", "southwest", "south", "southeast")
+COMPASS = ("east", "northeast", "north", "northwest", "west", "southwest", "south", "southeast")
+"""The headings of moves: an eighth of a turn to the left from one to the next."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -315,7 +316,7 @@ def _headed_names(workspace: Workspace, cell_of: Indices) -> ListedNames:
     names = [f"{workspace.names[int(cell_of[0])]}@start"]
     seen: dict[str, int] = {}
     for cell, point in zip(cell_of[1:].tolist(), compass.tolist(), strict=True):
-        name = f"{workspace.names[cell]}@{_COMPASS[point]}"
+        name = f"{workspace.names[cell]}@{COMPASS[point]}"
         seen[name] = seen.get(name, 0) + 1
         names.append(name if seen[name] == 1 else f"{name}{seen[name]}")
     return ListedNames(names)
