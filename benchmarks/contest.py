@@ -181,6 +181,18 @@ def hold(instance: Instance, *, limit: float, rounds: int, budget: float, absent
     return Row(instance, answer, times)
 
 
+def ratio_in_turns(one: Mission, other: Mission, *, rounds: int) -> float:
+    """How many times as long `one` takes as `other`: the medians of plans made in turns."""
+    seconds: tuple[list[float], list[float]] = ([], [])
+    for _ in range(rounds):
+        for kept, mission in zip(seconds, (one, other), strict=True):
+            gc.collect()
+            begin = time.perf_counter()
+            plan(mission)
+            kept.append(time.perf_counter() - begin)
+    return median(seconds[0]) / median(seconds[1])
+
+
 def _run_of(peer: Peer, times: Times) -> Callable[[], Answer]:
     return lambda: _answered(peer, times)
 

@@ -14,9 +14,21 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from benchmarks.contest import OURS, Row, WrongAnswerError, hold
-from benchmarks.families import ROOT, Instance, examples, goals, large, paper, responses, terrain_of
-from benchmarks.report import Section, write
+from benchmarks.contest import OURS, Row, WrongAnswerError, hold, ratio_in_turns
+from benchmarks.families import (
+    EXAMPLES,
+    ROOT,
+    Instance,
+    examples,
+    goals,
+    large,
+    paper,
+    responses,
+    slow_warehouse,
+    terrain_of,
+)
+from benchmarks.report import Section, ratio, write
+from mitlplan.mission import read
 from mitlplan.plan import Plan
 from mitlplan.planner import plan
 
@@ -96,8 +108,13 @@ def main(arguments: list[str]) -> None:
         rows = list(contests(instances(), chosen.limit, chosen.rounds, chosen.budget))
         sections.append(Section(family, title, rows))
     command = " ".join(["python -m benchmarks.performance", *arguments])
-    every = least_makespans() if "paper" in (chosen.family or FAMILIES) else 0
-    write(chosen.output, sections, command=command, rounds=chosen.rounds, load=load, sizes_shown=every)
+    facts = {}
+    if "paper" in (chosen.family or FAMILIES):
+        facts["shown"] = str(least_makespans())
+    if "examples" in (chosen.family or FAMILIES):
+        plain = read(EXAMPLES / "warehouse.yaml")
+        facts["slower"] = ratio(ratio_in_turns(slow_warehouse().mission, plain, rounds=2 * chosen.rounds))
+    write(chosen.output, sections, command=command, rounds=chosen.rounds, load=load, facts=facts)
     print(f"written: {chosen.output}")
 
 

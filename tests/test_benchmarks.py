@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from benchmarks.contest import OURS, WrongAnswerError, hold
+from benchmarks.contest import OURS, WrongAnswerError, hold, ratio_in_turns
 from benchmarks.families import Instance, goals, on, paper, responses, slow_warehouse
 from benchmarks.peers import Visits, on_distances, on_product, subset_programming
 from benchmarks.product import DONE, build, explore, fetch, ordered, visit
-from benchmarks.report import Section, milliseconds, ratio, remarks, table
+from benchmarks.report import Section, milliseconds, ratio, remarks, table, write
 from mitlplan.mission import Mission
 from mitlplan.plan import Infeasible, Plan
 from mitlplan.planner import plan
@@ -166,6 +168,11 @@ def test_a_contest_holds_everybody_to_one_answer() -> None:
         hold(wrong, limit=30, rounds=1, budget=1, absent={})
 
 
+def test_a_mission_takes_about_as_long_as_itself() -> None:
+    one = paper("phi3", 8).mission
+    assert 0.2 < ratio_in_turns(one, one, rounds=5) < 5
+
+
 def test_the_page_shows_every_row_and_says_who_is_slower() -> None:
     rows = [hold(paper("phi1", size), limit=30, rounds=1, budget=1, absent={}) for size in (2, 3)]
     lines = list(table(rows))
@@ -174,6 +181,19 @@ def test_the_page_shows_every_row_and_says_who_is_slower() -> None:
     assert lines[2].startswith("| phi1 | n = 2 | 3 | ")
     said = list(remarks(Section("paper", "", rows)))
     assert len(said) == len(rows[0].times) - 1
+
+
+def test_the_page_names_commit_machine_and_command(tmp_path: Path) -> None:
+    rows = [hold(paper("phi1", 2), limit=30, rounds=1, budget=1, absent={})]
+    page = tmp_path / "docs" / "performance.md"
+    section = Section("paper", "The paper's formulas", rows)
+    write(page, [section], command="bench it", rounds=1, load=(0.5, 1, 2), facts={"shown": "189"})
+    text = page.read_text(encoding="utf-8")
+    assert "- command: `bench it`" in text
+    assert re.search(r"^- Commit \w+", text, re.MULTILINE)
+    assert re.search(r"^- machine: .*Python 3\..*load average 0\.5, 1\.0, 2\.0", text, re.MULTILINE)
+    assert "189 missions" in text
+    assert "| phi1 | n = 2 | 3 |" in text
 
 
 @pytest.mark.parametrize(
