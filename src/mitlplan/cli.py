@@ -78,6 +78,7 @@ class Construction(str, Enum):
     """How formulas become automata."""
 
     compact = "compact"
+    seed = "seed"
 
 
 def _exact_option(text: str | None) -> str | None:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from typing import Literal as Choice
+from typing import TypeAlias
 
 from mitlplan.automata.transducer import Network
 from mitlplan.logic.core import Core, holds
-from mitlplan.translation.compact.translate import translate
+from mitlplan.translation.compact.translate import translate as translate_compact
+from mitlplan.translation.seed.repaired import translate as translate_seed
 from mitlplan.workspace.abstract import abstract
 from mitlplan.workspace.workspace import Workspace
+
+Construction: TypeAlias = Choice["compact", "seed"]
 
 
 def compose(
@@ -17,6 +21,7 @@ def compose(
     core: Core,
     *,
     horizon: Choice["infinite", "finite"] = "infinite",
+    construction: Construction = "compact",
 ) -> Network:
     """The map automaton, and the transducers of a formula that watch it.
 
@@ -28,6 +33,13 @@ def compose(
         The formula, in normal form.
     horizon
         ``"finite"``: what has no upper bound speaks of the time up to the end of the plan.
+    construction
+        How the formula becomes transducers; ``"seed"`` is the repaired construction of the paper.
+
+    Raises
+    ------
+    TranslationError
+        If the construction cannot express the formula.
 
     Examples
     --------
@@ -37,6 +49,7 @@ def compose(
     >>> [transducer.name for transducer in network.transducers]
     ['start', 'F A']
     """
+    translate = translate_compact if construction == "compact" else translate_seed
     obligations = translate(core, until_the_end=horizon == "finite")
     predicates = {
         name: frozenset(index for index, label in enumerate(workspace.label_sets) if holds(predicate, label))

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mitlplan.automata.transducer import Constraint, Edge, Location, Relation, Transducer
-from mitlplan.compose import compose
+from mitlplan.compose import Construction, compose
 from mitlplan.logic.core import Core
 from mitlplan.logic.formula import And, Formula, Not
 from mitlplan.logic.semantics import satisfies
@@ -285,6 +285,7 @@ class Question:
     core: Core
     until: Choice["standard", "closed"]
     epsilon: Fraction
+    construction: Construction = "compact"
 
     def satisfied_by(self, loop: Round) -> bool:
         """Whether the judge passes the loop."""
@@ -402,11 +403,12 @@ def _loop_of_tour(question: Question, limits: Limits) -> Loops:
 
 def _loop_of_zone_graph(question: Question, limits: Limits, most_states: int | None = None) -> Loops:
     """The best of some loops of the zone graph, or a proof that it has none."""
-    network = compose(question.workspace, question.starts, question.core)
+    construction = question.construction
+    network = compose(question.workspace, question.starts, question.core, construction=construction)
     classes = look_alike(question.workspace, network.predicates.values())
     small = compress(question.workspace, classes, question.starts)
     if small is not None:
-        network = compose(small.workspace, small.starts, question.core)
+        network = compose(small.workspace, small.starts, question.core, construction=construction)
     if not question.workspace.durations or min(question.workspace.durations) == 0:
         network = replace(network, transducers=(*network.transducers, _CLOCKWORK))
     tables = tabulate(network, objective=False)

@@ -10,18 +10,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+from mitlplan import compose
 from mitlplan.automata import transducer
 from mitlplan.automata.lockstep import lockstep
 from mitlplan.automata.timed_automaton import Network, Query
-from mitlplan.logic.core import Core, conjunction, holds
+from mitlplan.logic.core import Core, conjunction
 from mitlplan.logic.formula import And, Formula
 from mitlplan.logic.normalize import co_safe, normalize
 from mitlplan.logic.show import show
 from mitlplan.mission import Mission
-from mitlplan.translation.compact.translate import translate as translate_compact
 from mitlplan.translation.seed.published_network import published_model
 from mitlplan.translation.seed.published_thaw import without_stopped_clocks
-from mitlplan.translation.seed.repaired import translate as translate_seed
 from mitlplan.workspace.abstract import abstract
 
 Construction: TypeAlias = Literal["compact", "seed", "published"]
@@ -98,16 +97,12 @@ def core_of(mission: Mission) -> Core:
     )
 
 
-def lockstep_of(mission: Mission, construction: Literal["compact", "seed"]) -> transducer.Network:
+def lockstep_of(mission: Mission, construction: compose.Construction) -> transducer.Network:
     """The map automaton and the transducers that watch it."""
-    translate = translate_compact if construction == "compact" else translate_seed
-    obligations = translate(core_of(mission), until_the_end=mission.horizon == "finite")
-    labels = mission.workspace.label_sets
-    predicates = {
-        name: frozenset(index for index, label in enumerate(labels) if holds(core, label))
-        for name, core in obligations.predicates.items()
-    }
-    return transducer.Network(abstract(mission.workspace, mission.start), obligations.transducers, predicates)
+    core, horizon = core_of(mission), mission.horizon
+    return compose.compose(
+        mission.workspace, (mission.start,), core, horizon=horizon, construction=construction
+    )
 
 
 def _in_lockstep(mission: Mission, construction: Literal["compact", "seed"]) -> MissionModel:

@@ -20,7 +20,7 @@ from typing import Literal as Choice
 
 from mitlplan.automata.transducer import Network
 from mitlplan.check import check, signal_of
-from mitlplan.compose import compose
+from mitlplan.compose import Construction, compose
 from mitlplan.endless import Question, Round, any_loop, fastest_loop
 from mitlplan.errors import TranslationError
 from mitlplan.exact import Number
@@ -66,7 +66,6 @@ __all__ = [
 MOST_ATOMS = 12
 """Of a formula to be decided."""
 
-Construction: TypeAlias = Choice["compact"]
 Report: TypeAlias = Callable[[Progress], None]
 
 
@@ -143,7 +142,8 @@ def plan(
     **reading
         With a workspace, `start` and whatever else :func:`mitlplan.mission.mission_for` takes.
     construction
-        How formulas become automata.
+        How formulas become automata: ``"seed"`` is the repaired construction of the paper, and cannot
+        express everything.
     time_limit, memory_limit
         When to give up: seconds and megabytes.
     progress
@@ -166,10 +166,9 @@ def plan(
     >>> print(plan(workspace, "(!A U B) & F A", start="r0c0"))
     0 r0c0 -> 1 r0c1 -> 2 r0c0 -> 3 r1c0
     """
-    del construction  # there is one so far
     mission = _mission(mission, spec, reading)
     limits = Limits(time_limit, memory_limit, progress).begin()
-    planning = _planning(mission, limits)
+    planning = _planning(mission, limits, construction)
     outcome = planning.outcome()
     match outcome:
         case Plan():
@@ -220,7 +219,13 @@ class _Planning:
         """The answer; not `fastest`: any plan will do."""
         question = self.question
         with self.stage("translate"):
-            network = compose(question.workspace, question.starts, question.core, horizon=self.horizon)
+            network = compose(
+                question.workspace,
+                question.starts,
+                question.core,
+                horizon=self.horizon,
+                construction=question.construction,
+            )
             tables = tabulate(network)
             self.size = _size(network)
         endless = self.horizon == "infinite" and not all(map(accomplishable, question.formulas))
@@ -274,7 +279,7 @@ class _Planning:
 
     def statistics(self) -> Statistics:
         locations, edges = self.size
-        return Statistics("compact", locations, edges, self.states, dict(self.seconds))
+        return Statistics(self.question.construction, locations, edges, self.states, dict(self.seconds))
 
     def plan_of_run(self, tables: Tables, found: Found) -> Plan:
         """A finite or parking plan."""
@@ -321,7 +326,7 @@ class _Planning:
         return tuple(sorted(self.question.workspace.holds(cell)))
 
 
-def _planning(mission: Mission, limits: Limits) -> _Planning:
+def _planning(mission: Mission, limits: Limits, construction: Construction = "compact") -> _Planning:
     question = Question(
         mission.workspace,
         (mission.start,),
@@ -329,6 +334,7 @@ def _planning(mission: Mission, limits: Limits) -> _Planning:
         core_of(mission),
         mission.until,
         mission.epsilon,
+        construction,
     )
     return _Planning(question, mission.horizon, limits)
 
