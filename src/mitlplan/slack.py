@@ -4,8 +4,8 @@ The path is made a map of its own, a line: up to the way point every stay is as 
 A delay is possible exactly if the formula's automata have a run on that line, and the run that found the
 plan does not bind what comes later. Where no label changes the robot cannot be seen, so a line needs a cell
 only for each stretch with the same label. Delays are tried by doubling and halving, in halves of the common
-denominator of all times. The answer is the end of the delays that are possible without a gap, a supremum;
-it is less where the questions are used up.
+denominator of all times: the answer is the end of a stretch of possible delays, and a gap before it may be
+overlooked. It is less than it might be where the questions are used up.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from itertools import accumulate
 from math import floor, lcm
 from typing import Literal as Choice
 
@@ -122,8 +123,9 @@ class _Line:
         self.parks = plan.loop is not None and plan.loop.period is None
         self.stays = list(self._stays())
         self.stretches = list(self._stretches())
+        self.needed = list(accumulate((stay.least for stay in self.stays), initial=Fraction(0)))
         self.questions = 0
-        self.known: dict[int, Slack] = {}
+        self.known: dict[tuple[int, bool], Slack] = {}
 
     def slack(self, place: int) -> Slack:
         """The slack of one step."""
@@ -137,7 +139,9 @@ class _Line:
         behind = next(
             (index for index, one in enumerate(self.stretches) if one.first >= place), len(self.stretches)
         )
-        seen = self.delay_of(behind)
+        hidden = behind == len(self.stretches) or self.stretches[behind].first > place
+        # Who waits unseen may wait on: the change may come later than the delay makes it.
+        seen = self.delay_of(behind, or_later=hidden and self.workspace.waiting)
         if seen is not None:
             seen += self.spare(place, behind)
         limits = [limit for limit in (room, seen) if limit is not None]
@@ -153,7 +157,7 @@ class _Line:
     def spare(self, place: int, stretch: int) -> Fraction:
         """The time between a step and a later change that the moves do not need."""
         last = self.stretches[stretch].first if stretch < len(self.stretches) else len(self.stays)
-        needed = sum((stay.least for stay in self.stays[place:last]), Fraction(0))
+        needed = self.needed[last] - self.needed[place]
         return self.entered(stretch) - self.stays[place].enter - needed
 
     def entered(self, stretch: int) -> Fraction:
@@ -162,18 +166,21 @@ class _Line:
             return self.stretches[stretch].enter
         return self.plan.steps[-1].leave or self.stays[-1].enter
 
-    def delay_of(self, stretch: int) -> Slack:
+    def delay_of(self, stretch: int, *, or_later: bool) -> Slack:
         """How much later a stretch may begin, those before it as planned."""
-        if stretch not in self.known:
+        key = stretch, or_later
+        if key not in self.known:
             known: Slack = Fraction(0)
             if stretch < len(self.stretches):
                 known = self.plan.steps[self.stretches[stretch].first].slack
-            self.known[stretch] = _largest(
-                lambda delay: self.possible(stretch, delay), known, self.tick, self.farthest
-            )
-        return self.known[stretch]
 
-    def possible(self, stretch: int, delay: Fraction) -> bool:
+            def possible(delay: Fraction) -> bool:
+                return self.possible(stretch, delay, or_later=or_later)
+
+            self.known[key] = _largest(possible, known, self.tick, self.farthest)
+        return self.known[key]
+
+    def possible(self, stretch: int, delay: Fraction, *, or_later: bool) -> bool:
         """Whether the formula can still be satisfied; ``False`` also if that takes too long to find out."""
         self.questions += 1
         remaining = self.limits.remaining()
@@ -181,7 +188,9 @@ class _Line:
             return False
         limits = Limits(remaining, MOST_MEGABYTES).begin()
         try:
-            network = Network(self.map(stretch, delay), self.obligations.transducers, self.predicates)
+            network = Network(
+                self.map(stretch, delay, or_later=or_later), self.obligations.transducers, self.predicates
+            )
             if self.loop_start is not None:
                 return isinstance(lassos(tabulate(network, objective=False), limits), Iterator)
             tables = tabulate(network)
@@ -238,7 +247,7 @@ class _Line:
 
     # -- the line and its automata -------------------------------------------------------------------------
 
-    def map(self, stretch: int, delay: Fraction) -> MapAutomaton:
+    def map(self, stretch: int, delay: Fraction, *, or_later: bool) -> MapAutomaton:
         """The path as a map: as planned up to a stretch, which begins later, and free from there on."""
         line = list(self.stretches)
         back = []
@@ -249,7 +258,7 @@ class _Line:
             if index < stretch:
                 late = delay if index == stretch - 1 else Fraction(0)
                 length = self.entered(index + 1) - one.enter + late
-                spans.append((length, length))
+                spans.append((length, None if or_later and index == stretch - 1 else length))
             else:
                 spans.append((one.least, one.most))
         durations = tuple(sorted({time for span in spans for time in span if time is not None}))
