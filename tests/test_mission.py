@@ -189,6 +189,27 @@ def test_a_mapping_takes_no_float() -> None:
     )
 
 
+def test_a_robot_gives_the_times_of_moves() -> None:
+    mission = mission_from_mapping(
+        {
+            "mitlplan": 1,
+            "workspace": {"grid": {"rows": 1, "columns": 3}},
+            "robot": {"start": "r0c0", "speed": "0.4", "headings": "true"},
+            "spec": "F true",
+        }
+    )
+    world = mission.workspace
+    assert world.names[mission.start] == "r0c0@start"
+    times = {world.names[int(world.target[move])]: world.least_time(move) for move in world.moves_from(0)}
+    assert times == {"r0c1@east": Fraction(5, 4)}
+    assert mission.robot is not None
+    assert mission.robot.robot.speed == Fraction(2, 5)
+    assert list(mission.robot.ground.names) == ["r0c0", "r0c1", "r0c2"]
+    assert [mission.robot.ground.names[cell] for cell in mission.robot.cell_of] == [
+        name.partition("@")[0] for name in world.names
+    ]
+
+
 @pytest.mark.parametrize("file", sorted(EXAMPLES.rglob("*.yaml")), ids=lambda file: file.stem)
 def test_the_examples_are_read(file: Path) -> None:
     mission = read(file)
@@ -230,6 +251,21 @@ def test_the_schema_knows_the_keys() -> None:
     moves = published["$defs"]["MoveKeys"]
     assert list(moves["properties"]) == ["from", "to", "time", "both"]
     assert published["$defs"]["WorkspaceKeys"]["maxProperties"] == 1
+    robot = published["$defs"]["RobotKeys"]
+    assert robot["required"] == ["start"]
+    assert list(robot["properties"]) == [
+        "start",
+        "speed",
+        "turn_rate",
+        "acceleration",
+        "turn_acceleration",
+        "heading",
+        "radius",
+        "headings",
+        "rest_to_rest",
+    ]
+    assert robot["properties"]["headings"]["type"] == "boolean"
+    assert {"enum": ["cubic", "quintic"]} in robot["properties"]["rest_to_rest"]["anyOf"]
 
 
 _WORDS = [

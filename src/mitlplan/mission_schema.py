@@ -333,12 +333,15 @@ class RobotKeys(Keys):
         default=False, description="Whether a move takes as long as its own turn; cells are then r0c1@east."
     )
     rest_to_rest: RestToRest = Field(
-        default="even", description="Whether every motion begins and ends at rest; true is cubic."
+        default=False,
+        validate_default=True,
+        description="Whether every motion begins and ends at rest; true is cubic.",
     )
 
     @model_validator(mode="after")
     def _belong_together(self) -> RobotKeys:
-        given = [key for key in type(self).model_fields if key in self.model_fields_set and key != "start"]
+        set_here = (key for key in type(self).model_fields if key in self.model_fields_set - {"start"})
+        given = [key for key in set_here if getattr(self, key) is not None]
         if given and self.speed is None:
             raise PydanticCustomError(
                 "key",

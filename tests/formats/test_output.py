@@ -17,6 +17,13 @@ def test_a_file_is_made_and_replaced(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [file]
 
 
+def test_bytes_are_written_as_they_are(tmp_path: Path) -> None:
+    file = tmp_path / "plan.png"
+    write_whole(file, b"\x89PNG\r\n\xff")
+    assert file.read_bytes() == b"\x89PNG\r\n\xff"
+    assert list(tmp_path.iterdir()) == [file]
+
+
 def test_what_was_there_stays_if_writing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "plan.json"
     file.write_text("one", encoding="utf-8")

@@ -98,6 +98,58 @@ def test_what_exists_is_left_alone(driven: tuple[Plan, Trajectory], tmp_path: Pa
         write_bag(tmp_path / "nowhere" / "bag", trajectory, plan, STEP)
 
 
+@pytest.mark.parametrize("storage", Storage)
+@pytest.mark.parametrize("stopped", ["at the second message", "at the end"])
+def test_a_bag_is_written_whole_or_not_at_all(
+    storage: Storage,
+    stopped: str,
+    driven: tuple[Plan, Trajectory],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plan, trajectory = driven
+    written: list[object] = []
+    write = rosbag2.Writer.write
+
+    def interrupted(self: object, *message: object) -> None:
+        if written:
+            raise KeyboardInterrupt
+        written.append(message)
+        write(self, *message)
+
+    def no_space(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    if stopped == "at the end":
+        monkeypatch.setattr(Path, "rename", no_space)
+        with pytest.raises(OutputError, match="cannot write .*bag: No space left on device"):
+            write_bag(tmp_path / "bag", trajectory, plan, STEP, storage=storage)
+    else:
+        monkeypatch.setattr(rosbag2.Writer, "write", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            write_bag(tmp_path / "bag", trajectory, plan, STEP, storage=storage)
+        assert written
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_appears_meanwhile_is_left_alone(
+    driven: tuple[Plan, Trajectory], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plan, trajectory = driven
+    close = rosbag2.Writer.close
+
+    def slow(self: object) -> None:
+        close(self)
+        (tmp_path / "bag").mkdir()
+        (tmp_path / "bag" / "kept").touch()
+
+    monkeypatch.setattr(rosbag2.Writer, "close", slow)
+    with pytest.raises(OutputError, match="cannot write"):
+        write_bag(tmp_path / "bag", trajectory, plan, STEP)
+    assert [path.name for path in tmp_path.iterdir()] == ["bag"]
+    assert [path.name for path in (tmp_path / "bag").iterdir()] == ["kept"]
+
+
 def test_twenty_thousand_poses_take_little_time(driven: tuple[Plan, Trajectory], tmp_path: Path) -> None:
     plan, trajectory = driven
     begin = time.perf_counter()

@@ -109,6 +109,19 @@ def test_pictures(here: Path, kind: str) -> None:
         assert Image.open(io.BytesIO(data)).n_frames > 50
 
 
+def test_a_picture_that_fails_leaves_the_one_before(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    Path("plan.png").write_bytes(b"before")
+
+    def no_space(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "replace", no_space)
+    sentence = run("draw", mission(here), "--output", "plan.png", code=2)[1]
+    assert sentence.endswith("plan.png: No space left on device\n")
+    assert Path("plan.png").read_bytes() == b"before"
+    assert sorted(path.name for path in here.iterdir()) == ["mission.yaml", "plan.png"]
+
+
 @pytest.mark.parametrize("shown", ["map", "plan", "trajectory"])
 def test_what_is_shown(here: Path, shown: str) -> None:
     run("draw", mission(here), "--show", shown, "--title", "phi1")

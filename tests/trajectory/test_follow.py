@@ -18,7 +18,7 @@ from mitlplan.trajectory.profile import Profile
 from mitlplan.trajectory.robot import Driving, Robot
 from mitlplan.trajectory.trajectory import Trajectory
 from mitlplan.workspace import Move, Workspace, graph, grid
-from tests.trajectory.oracles import integrated
+from tests.trajectory.oracles import crosses_at_doors, integrated, strays
 from tests.trajectory.strategies import plan_of, plans
 
 ONE, HALF = Fraction(1), Fraction(1, 2)
@@ -26,33 +26,6 @@ ONE, HALF = Fraction(1), Fraction(1, 2)
 
 def walk(*cells: str, stay: Fraction = ONE) -> Plan:
     return plan_of(list(cells), [stay] * (len(cells) - 1))
-
-
-def strays(trajectory: Trajectory, step: Fraction) -> float:
-    """How far outside the cell the robot ought to be in it ever is, in metres."""
-    samples = trajectory.sample(step)
-    grounds = [visit.ground for visit in trajectory.visits]
-    x, y, width, height = np.array([(g.x, g.y, g.width, g.height) for g in grounds])[samples.visit].T
-    outside = np.maximum(np.abs(samples.course.x - x) - width / 2, np.abs(samples.course.y - y) - height / 2)
-    enters = np.array([float(visit.enter) for visit in trajectory.visits])
-    within = samples.time < float(trajectory.end)
-    assert (samples.time >= enters[samples.visit])[within].all()
-    assert (samples.time < np.append(enters[1:], np.inf)[samples.visit])[within].all()
-    return float(outside.max())
-
-
-def crosses_at_doors(trajectory: Trajectory) -> bool:
-    """At the instant of each crossing the robot is in the middle of the edge that both cells share."""
-    times = np.array([float(visit.enter) for visit in trajectory.visits[1:]])
-    course = trajectory.sample_at(times).course
-    for place, (before, after) in enumerate(zip(trajectory.visits, trajectory.visits[1:], strict=False)):
-        a, b = before.ground, after.ground
-        low = max(a.x - a.width / 2, b.x - b.width / 2), max(a.y - a.height / 2, b.y - b.height / 2)
-        high = min(a.x + a.width / 2, b.x + b.width / 2), min(a.y + a.height / 2, b.y + b.height / 2)
-        middle = (low[0] + high[0]) / 2, (low[1] + high[1]) / 2
-        if (course.x[place], course.y[place]) != pytest.approx(middle, abs=1e-12):
-            return False
-    return True
 
 
 def lands(trajectory: Trajectory) -> bool:
