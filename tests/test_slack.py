@@ -105,7 +105,7 @@ def test_a_move_that_may_take_longer() -> None:
 
 
 def test_the_mission_may_end_later() -> None:
-    """Over a finite horizon `G` speaks of the time up to the end; the first instant at home counts as well."""
+    """Over a finite horizon `G` speaks of the time up to the end, and the first instant counts as well."""
     found = row(3, "F A & G (home -> F[0,3] mid)", {"home": [0], "mid": [1], "A": [2]}, horizon="finite")
     assert slack(found) == ["0", "2", "any"]
 
