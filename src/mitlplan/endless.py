@@ -21,6 +21,8 @@ from typing import Literal as Choice
 from typing import TypeAlias
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import breadth_first_order
 from numpy.typing import NDArray
 
 from mitlplan.automata.transducer import Constraint, Edge, Location, Relation, Transducer
@@ -325,7 +327,7 @@ def fastest_loop(question: Question, to_beat: Rival | None, limits: Limits) -> L
             return Loops(bound=bound or Fraction(0), reason=reason, states=states)
         case Found(_, bound, _, states):
             # The robot has still to stay in the cell in which it has shown everything.
-            bound += _shortest_stay(question.workspace)
+            bound += _shortest_stay(question.workspace, question.starts)
     if to_beat is not None and bound > to_beat[0]:
         return Loops(bound=bound, states=states)
     known = _loop_of_tour(question, limits)
@@ -479,9 +481,18 @@ def _tick(question: Question) -> Fraction:
     return Fraction(1, scale)
 
 
-def _shortest_stay(workspace: Workspace) -> Fraction:
-    """No stay is shorter, in seconds."""
-    return min((workspace.durations[index] for index in np.unique(workspace.least)), default=Fraction(0))
+def _shortest_stay(workspace: Workspace, starts: tuple[int, ...]) -> Fraction:
+    """No stay that the robot can come to is shorter, in seconds."""
+    count = workspace.cell_count
+    graph = csr_array(
+        (np.ones(workspace.move_count, dtype=np.int8), (workspace.source, workspace.target)), (count, count)
+    )
+    within = np.zeros(count, dtype=bool)
+    for start in starts:
+        if not within[start]:
+            within[breadth_first_order(graph, start, return_predecessors=False)] = True
+    least = np.unique(workspace.least[within[workspace.source]])
+    return min((workspace.durations[index] for index in least), default=Fraction(0))
 
 
 def _stays_are_given(workspace: Workspace) -> bool:
