@@ -2,13 +2,16 @@
 
 The profile `test` draws the same cases every time, so a red run is red for everyone; `fuzz` draws new ones.
 MITLPLAN_NATIVE names the folder of another build of the native module, the one with sanitizers.
+Ctrl-C is heard even where the tests run in the background, whose shell has it ignored: some tests press it.
 """
 
 from __future__ import annotations
 
 import importlib.util
 import os
+import signal
 import sys
+import threading
 from pathlib import Path
 
 from hypothesis import HealthCheck, settings
@@ -25,6 +28,12 @@ settings.register_profile(
     "fuzz", max_examples=20_000, deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("test")
+
+if (
+    threading.current_thread() is threading.main_thread()
+    and signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+):
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _take_native_module_from(folder: Path) -> None:
