@@ -21,9 +21,9 @@ from typing import Literal as Choice
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order
-from numpy.typing import NDArray
 
 from mitlplan.automata.transducer import Constraint, Edge, Location, Relation, Transducer
 from mitlplan.compose import Construction, compose
