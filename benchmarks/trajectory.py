@@ -190,10 +190,21 @@ def pictures() -> None:
     (PAGES / "phi1-round.svg").write_bytes(rendered(picture(world, around, follow(around, world)), "svg"))
     large = follow(_there_and_back(), grid(1, 2), robot=Robot(radius=Fraction(2, 5)))
     (PAGES / "large-robot.svg").write_bytes(rendered(picture(grid(1, 2), None, large), "svg"))
+    _picture_of_a_robot()
     for name, workspace, found in plans():
         if name.startswith("MovingAI"):
             file = PAGES / f"{name.split()[1]}.png"
             file.write_bytes(rendered(picture(workspace, found, follow(found, workspace)), "png"))
+
+
+def _picture_of_a_robot() -> None:
+    """The example whose moves take their times from the robot, on the map without headings."""
+    mission = read(MAPS.parent / "robot.yaml")
+    found = plan(mission)
+    assert isinstance(found, Plan)
+    assert (model := mission.robot) is not None
+    driven = follow(found, mission.workspace, robot=model.robot, driving=model.driving, heading=model.heading)
+    (PAGES / "robot.png").write_bytes(rendered(picture(model.ground, None, driven), "png"))
 
 
 def _round_the_square() -> Plan:
