@@ -6,10 +6,11 @@ import random
 from typing import Any
 
 GOALS = 8
+MANY = 12
 
 HARD = {
     # The bound of the best tour says little about claims that start a clock.
-    "many goals": " & ".join(f"F (g{k} & F[2,30] g{(k + 1) % GOALS})" for k in range(GOALS)),
+    "many goals": " & ".join(f"F (g{k} & F[2,30] g{(k + 1) % MANY})" for k in range(MANY)),
     # Seven delay lines: a single state has a million successors.
     "many successors": " & ".join(f"G[0,200] (g{k} -> F[10,25] g{k + 1})" for k in range(GOALS - 1))
     + " & F g0",
@@ -29,7 +30,7 @@ def long_mission(name: str, size: int = 20) -> dict[str, Any]:
                 "rows": size,
                 "columns": size,
                 "waiting": False,
-                "regions": {f"g{k}": [places[k]] for k in range(GOALS)},
+                "regions": {f"g{k}": [places[k]] for k in range(MANY)},
             }
         },
         "robot": {"start": "r0c0"},
