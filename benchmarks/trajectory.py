@@ -202,7 +202,8 @@ def _picture_of_a_robot() -> None:
     mission = read(MAPS.parent / "robot.yaml")
     found = plan(mission)
     assert isinstance(found, Plan)
-    assert (model := mission.robot) is not None
+    model = mission.robot
+    assert model is not None
     driven = follow(found, mission.workspace, robot=model.robot, driving=model.driving, heading=model.heading)
     (PAGES / "robot.png").write_bytes(rendered(picture(model.ground, None, driven), "png"))
 

@@ -17,8 +17,8 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from heapq import heappop, heappush
 from itertools import islice, pairwise
+from typing import Any, TypeAlias
 from typing import Literal as Choice
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -484,7 +484,7 @@ def _tick(question: Question) -> Fraction:
 def _shortest_stay(workspace: Workspace, starts: tuple[int, ...]) -> Fraction:
     """No stay that the robot can come to is shorter, in seconds."""
     count = workspace.cell_count
-    graph = csr_array(
+    graph: Any = csr_array(
         (np.ones(workspace.move_count, dtype=np.int8), (workspace.source, workspace.target)), (count, count)
     )
     within = np.zeros(count, dtype=bool)
