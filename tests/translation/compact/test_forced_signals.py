@@ -72,6 +72,8 @@ NESTINGS: dict[str, Source] = {
     "junction left": lambda stream: timed(stream, joined, literal),
     "junction right": lambda stream: timed(stream, literal, joined),
     "again and again": lambda stream: f"G ({stream.choice(('', '!'))}({timed(stream)}) | {literal(stream)})",
+    "weak": lambda stream: f"({literal(stream)}) W ({timed(stream)})",
+    "punctual": lambda stream: f"F{stream.choice(INTERVALS)} ({literal(stream)} & F[1,1] ({timed(stream)}))",
     "three deep": lambda stream: timed(stream, literal, lambda inner: timed(inner, literal, timed)),
 }
 
@@ -149,3 +151,25 @@ def test_what_the_end_excuses_need_not_be_reachable(text: str, least: str) -> No
     robot = Forced(((frozenset("q"), Fraction(1)), (frozenset("q"), Fraction(1))), 0)
     assert wrong_end(parse(text), robot, horizon="finite") is None
     assert satisfies(parse(text), robot.up_to(Fraction(least)), horizon="finite")
+
+
+def robot(*stays: str, back: int = 0) -> Forced:
+    """A robot whose stays are written like "pq 3/2"; a dash is no proposition."""
+    split = [stay.split() for stay in stays]
+    return Forced(tuple((frozenset(label.strip("-")), Fraction(time)) for label, time in split), back)
+
+
+def test_nothing_is_owed_at_the_instant_at_which_a_delayed_claim_ends() -> None:
+    """q has been seen when the robot parks: the claims of F[1,2) ended 1 before, just before that instant."""
+    assert wrong_parked(parse("G_(0,2) (q -> F_[1,2) q)"), robot("p 1", "pqr 2", "pr 1")) is None
+    assert wrong_parked(parse("G[0,1] (r -> F_(1,2] !p)"), robot("qr 1", "q 1", "pq 1"), "closed") is None
+
+
+@pytest.mark.parametrize("horizon", ["infinite", "finite"])
+def test_a_release_by_what_holds_just_after_an_instant(horizon: Horizon) -> None:
+    """At 0 the left side fails, behind 0 it holds: at each time there was one before that released."""
+    formula = parse("(!p R_[1,2] !q) R_(0,2] !p")
+    walk = robot("pr 1", "qr 1", "- 1/2", "pr 1/2", "pr 1/2")
+    assert satisfies(formula, walk.up_to(Fraction(1)), horizon=horizon)
+    assert wrong_end(formula, walk, horizon=horizon) is None
+    assert wrong_for_ever(formula, walk) is None

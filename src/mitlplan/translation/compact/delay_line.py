@@ -230,6 +230,8 @@ def recorder(
 
     def parkings() -> Iterator[Edge | None]:
         yield edge(EMPTY, EMPTY)
+        # Its last claims were made just before the instant that is replayed now: their windows have begun.
+        yield edge("closing limit", EMPTY, guard=ripe[second])
         for location in locations[1:]:
             yield edge(location.name, EMPTY, at_point=(parked,))
 

@@ -4,7 +4,8 @@ One clock measures the age of the one claim, so any interval will do, a punctual
 at time 0 needs no clock of its own: it uses the time of the mission, or, where a lower bound is asked, one
 clock that all such claims share (the time itself must keep "later is never better", see the search). An
 until in a one-shot position is fulfilled at an instant, and a release released at one; a step without a
-move can be put at any instant, so this loses nothing.
+move can be put at any instant, so this loses nothing but a release by what holds just after an instant and
+not at it: such a release is no case for this module.
 """
 
 from __future__ import annotations

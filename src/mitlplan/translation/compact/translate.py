@@ -154,6 +154,8 @@ class _Translator:
                 )
             case Disjunction() if once:
                 return _claiming(self.make_choice(core, once=True, at_start=at_start))
+            case CoreRelease(left) if once and not _begins_attained(left) and not _punctual(core):
+                return self.repeated(_Part(core, self.until_the_end))
             case CoreUntil() | CoreRelease() if once:
                 return _claiming(self.make_once(core, at_start=at_start))
             case _:
@@ -383,6 +385,31 @@ def necessary_label(core: Core) -> Core:
 def name_of(core: Core) -> str:
     """The name of a transducer or a predicate: its formula."""
     return show(written(core))
+
+
+def _begins_attained(core: Core) -> bool:
+    """Whether `core` holds at the first instant of each stretch on which it holds; ``False`` is a guess."""
+    match core:
+        case Conjunction(operands) | Disjunction(operands):
+            return all(map(_begins_attained, operands))
+        case CoreUntil(left, right, interval):
+            attained = interval.upper is None or not interval.upper_open
+        case CoreRelease(left, right, interval):
+            attained = left == FALSE or (interval.lower == 0 and not interval.lower_open)
+        case _:
+            return True
+    return attained and _begins_attained(left) and _begins_attained(right)
+
+
+def _punctual(core: Core) -> bool:
+    """Whether some interval is a single instant: no case for what is claimed again and again."""
+    match core:
+        case Conjunction(operands) | Disjunction(operands):
+            return any(map(_punctual, operands))
+        case CoreUntil(left, right, interval) | CoreRelease(left, right, interval):
+            return interval.punctual or _punctual(left) or _punctual(right)
+        case _:
+            return False
 
 
 def _claiming(claim: Claim) -> Demand:
