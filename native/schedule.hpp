@@ -73,8 +73,13 @@ inline std::vector<Ticks> latest_times(std::span<const Ticks> planned, std::span
     const std::size_t steps = planned.size();
     // t_from <= t_to - weight: looked at when t_to has fallen.
     std::vector<std::vector<Difference>> leaning(steps);
-    for (const Difference& difference : differences)
+    for (const Difference& difference : differences) {
+        // Where the planned times keep every constraint no bound can fall round and round.
+        if (checked_sum(planned[static_cast<std::size_t>(difference.from)], difference.weight) >
+            planned[static_cast<std::size_t>(difference.to)])
+            throw std::domain_error("the planned times break a constraint");
         leaning[static_cast<std::size_t>(difference.to)].push_back(difference);
+    }
     std::vector<Ticks> latest(steps, unlimited);
     std::vector<Ticks> free(steps);
     // The last step first: most bounds come from the step behind.
@@ -90,7 +95,6 @@ inline std::vector<Ticks> latest_times(std::span<const Ticks> planned, std::span
                 const auto from = static_cast<std::size_t>(difference.from);
                 const Ticks bound = checked_sum(latest[lower], -difference.weight);
                 if (bound >= latest[from]) continue;
-                if (bound < planned[from]) throw std::domain_error("the planned times break a constraint");
                 latest[from] = bound;
                 fallen.push(from);
             }

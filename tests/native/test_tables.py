@@ -280,3 +280,33 @@ def test_wrong_constraints(steps: int, rows: list[tuple[int, int, int, bool]]) -
         if times[source][0] == NEVER_REACHED:
             continue
         assert times[target] >= (times[source][0] + weight, times[source][1] + strict)
+
+
+@given(
+    planned=st.lists(small | NUMBERS, max_size=5),
+    rows=st.lists(st.tuples(numbers_of_steps, numbers_of_steps, small | NUMBERS, st.booleans()), max_size=8),
+    asked=st.lists(numbers_of_steps, max_size=3),
+)
+@settings(max_examples=300)
+def test_wrong_plans(planned: list[int], rows: list[tuple[int, int, int, bool]], asked: list[int]) -> None:
+    """Times that were never planned so: a refusal, or bounds that are no earlier than planned."""
+    columns = (
+        np.array([row[0] for row in rows], dtype=np.int32),
+        np.array([row[1] for row in rows], dtype=np.int32),
+        np.array([row[2] for row in rows], dtype=np.int64),
+        np.array([row[3] for row in rows], dtype=np.uint8),
+    )
+    with suppress(*REFUSALS):
+        latest = _core.latest_times(
+            np.array(planned, dtype=np.int64), *columns, np.array(asked, dtype=np.int32)
+        )
+        assert all(late == -1 or late >= planned[step] for late, step in zip(latest, asked, strict=True))
+
+
+def test_planned_times_that_break_a_constraint() -> None:
+    """Bounds that lean on each other would otherwise fall by a tick a round, some 10^18 times."""
+    source, target = np.array([1, 2, 0], dtype=np.int32), np.array([2, 1, 3], dtype=np.int32)
+    weight, strict = np.array([1, 0, 0], dtype=np.int64), np.zeros(3, dtype=np.uint8)
+    planned = np.array([0, 0, 0, 2**59], dtype=np.int64)
+    with pytest.raises(ValueError, match="the planned times break a constraint"):
+        _core.latest_times(planned, source, target, weight, strict, np.array([1], dtype=np.int32))
