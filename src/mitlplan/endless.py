@@ -34,7 +34,7 @@ from mitlplan.logic.signal import Segment, Signal
 from mitlplan.search.fastest import Exhausted, Found, Limits, Stopped, fastest_run
 from mitlplan.search.lasso import Lasso, Timetable, lassos, timetable
 from mitlplan.search.schedule import STANDS_STILL
-from mitlplan.search.tables import Tables, tabulate
+from mitlplan.search.tables import Tables, tabulate, ticks_per_second
 from mitlplan.tour import shortest_tour
 from mitlplan.translation.compact.relax import relax
 from mitlplan.workspace.compress import Compressed, compress, look_alike
@@ -477,8 +477,8 @@ def _shown_by(question: Question, limits: Limits) -> Found | Exhausted | Stopped
 
 def _tick(question: Question) -> Fraction:
     """The resolution at which stays of free length are tried, in seconds."""
-    scale = tabulate(compose(question.workspace, question.starts, question.core)).scale
-    return Fraction(1, scale)
+    network = compose(question.workspace, question.starts, question.core)
+    return Fraction(1, ticks_per_second(network))
 
 
 def _shortest_stay(workspace: Workspace, starts: tuple[int, ...]) -> Fraction:

@@ -104,7 +104,7 @@ class _Tabulation:
     def __init__(self, network: Network, objective: bool) -> None:
         self.network = network
         self.objective = objective
-        self.scale = _common_denominator(network)
+        self.scale = ticks_per_second(network)
         self.guards = _Interner()
         self.resets = _Interner()
         self.bounds = _Interner()
@@ -499,7 +499,8 @@ def _every_edge(transducer: Transducer) -> tuple[Edge, ...]:
     return (*transducer.edges, *transducer.endings, *transducer.parkings)
 
 
-def _common_denominator(network: Network) -> int:
+def ticks_per_second(network: Network) -> int:
+    """The least common denominator of all times of `network`, in seconds: the scale of its tables."""
     times = set(network.map.durations)
     for transducer in network.transducers:
         for edge in _every_edge(transducer):
