@@ -18,11 +18,12 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Literal, TypeVar
 
+from mitlplan.compose import core_of
 from mitlplan.logic.formula import Formula
 from mitlplan.logic.normalize import co_safe
 from mitlplan.logic.parse import parse
 from mitlplan.mission import Mission, mission_for
-from mitlplan.models import core_of, lockstep_of
+from mitlplan.models import lockstep_of
 from mitlplan.plan import Plan
 from mitlplan.planner import plan
 from mitlplan.search.fastest import Found, Limits, fastest_run

@@ -6,13 +6,22 @@ from typing import Literal as Choice
 from typing import TypeAlias
 
 from mitlplan.automata.transducer import Network
-from mitlplan.logic.core import Core, holds
+from mitlplan.logic.core import Core, conjunction, holds
+from mitlplan.logic.normalize import normalize
+from mitlplan.mission import Mission
 from mitlplan.translation.compact.translate import translate as translate_compact
 from mitlplan.translation.seed.repaired import translate as translate_seed
 from mitlplan.workspace.abstract import abstract
 from mitlplan.workspace.workspace import Workspace
 
 Construction: TypeAlias = Choice["compact", "seed"]
+
+
+def core_of(mission: Mission) -> Core:
+    """All requirements of a mission as one formula in normal form."""
+    return conjunction(
+        *(normalize(each.formula, mission.until, horizon=mission.horizon) for each in mission.spec)
+    )
 
 
 def compose(

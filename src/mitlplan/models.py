@@ -14,9 +14,8 @@ from mitlplan import compose
 from mitlplan.automata import transducer
 from mitlplan.automata.lockstep import lockstep
 from mitlplan.automata.timed_automaton import Network, Query
-from mitlplan.logic.core import Core, conjunction
 from mitlplan.logic.formula import And, Formula
-from mitlplan.logic.normalize import co_safe, normalize
+from mitlplan.logic.normalize import co_safe
 from mitlplan.logic.show import show
 from mitlplan.mission import Mission
 from mitlplan.translation.seed.published_network import published_model
@@ -90,23 +89,16 @@ def formula_of(mission: Mission) -> Formula:
     return formulas[0] if len(formulas) == 1 else And(formulas)
 
 
-def core_of(mission: Mission) -> Core:
-    """All requirements as one formula in normal form."""
-    return conjunction(
-        *(normalize(each.formula, mission.until, horizon=mission.horizon) for each in mission.spec)
-    )
-
-
 def lockstep_of(mission: Mission, construction: compose.Construction) -> transducer.Network:
     """The map automaton and the transducers that watch it."""
-    core, horizon = core_of(mission), mission.horizon
+    core, horizon = compose.core_of(mission), mission.horizon
     return compose.compose(
         mission.workspace, (mission.start,), core, horizon=horizon, construction=construction
     )
 
 
 def _in_lockstep(mission: Mission, construction: Literal["compact", "seed"]) -> MissionModel:
-    parkings = mission.horizon == "infinite" and not co_safe(core_of(mission))
+    parkings = mission.horizon == "infinite" and not co_safe(compose.core_of(mission))
     model = lockstep(lockstep_of(mission, construction), list(mission.workspace.names), parkings=parkings)
     count = mission.workspace.cell_count
     return MissionModel(

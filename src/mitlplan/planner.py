@@ -20,7 +20,7 @@ from typing import Literal as Choice
 
 from mitlplan.automata.transducer import Network
 from mitlplan.check import check, signal_of
-from mitlplan.compose import Construction, compose
+from mitlplan.compose import Construction, compose, core_of
 from mitlplan.endless import Question, Round, any_loop, fastest_loop
 from mitlplan.errors import TranslationError
 from mitlplan.exact import Number
@@ -32,7 +32,6 @@ from mitlplan.logic.core import (
     Disjunction,
     Literal,
     Truth,
-    conjunction,
     holds,
 )
 from mitlplan.logic.formula import Formula, Iff, Not
@@ -82,16 +81,6 @@ class Unsatisfiable:
 
 
 Answer: TypeAlias = Union[Satisfiable, Unsatisfiable, LimitReached]
-
-
-def core_of(mission: Mission) -> Core:
-    """All requirements of a mission as one formula in normal form."""
-    return conjunction(
-        *(
-            normalize(requirement.formula, mission.until, horizon=mission.horizon)
-            for requirement in mission.spec
-        )
-    )
 
 
 @overload
