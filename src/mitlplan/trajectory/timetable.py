@@ -35,7 +35,7 @@ _GAP = 1e-9
 _EASING = 0.2
 _MOST_STEPS = 60
 _SHORTEST_STEP = 1e-9
-_DENSE = 150
+_DENSE = 40
 """Up to so many unknowns, full matrices are quicker than sparse ones."""
 
 
