@@ -82,7 +82,7 @@ def draw_ground(axes: Axes, workspace: Workspace) -> None:
     geometry = Geometry.of(workspace)
     left, right, bottom, top = geometry.extent
     axes.set_facecolor(_BLOCKED)
-    colours = _cell_colours(workspace)
+    colours = cell_colours(workspace)
     image = _image(geometry, colours) if workspace.cell_count > _MOST_OUTLINED else None
     if image is not None:
         axes.imshow(image, extent=geometry.extent, interpolation="nearest", zorder=1)
@@ -131,7 +131,7 @@ def colour_of(proposition: str, propositions: Sequence[str]) -> str:
     return PALETTE[propositions.index(proposition) % len(PALETTE)]
 
 
-def _cell_colours(workspace: Workspace) -> Array:
+def cell_colours(workspace: Workspace) -> Array:
     """The mean of the colours of what holds in each cell, mixed with the colour of free ground."""
     propositions = sorted(workspace.propositions)
     free = np.array(to_rgb(_FREE))

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from mitlplan.draw.ground import FAINT, INK, Geometry, draw_ground
+from mitlplan.draw.ground import FAINT, INK, Geometry, cell_colours, draw_ground
 from mitlplan.draw.way import dense_times, draw_plan, draw_trajectory
 from mitlplan.plan import Plan
 from mitlplan.trajectory import Trajectory
@@ -23,6 +23,10 @@ _DOTS_AN_INCH = 150
 _MAP_HEIGHT = 4.6
 _CONTROLS_WIDTH = 5.0
 _MOST_BORDERS = 60
+_STRIP = 0.22
+"""The height of the strip of cells, where that of a control is 1."""
+_LETTER = 4.6
+"""The width of a small letter, in points."""
 
 
 def settings() -> AbstractContextManager[None]:
@@ -53,7 +57,7 @@ class Picture:
     ground
         The axes of the map.
     controls
-        The axes of u and of w over time; none without a trajectory.
+        The axes of u, of w and of the cells over time; none without a trajectory.
     """
 
     figure: Figure
@@ -73,7 +77,7 @@ def picture(
     plan
         Drawn from centre to centre, unless there is a trajectory.
     trajectory
-        Drawn with marks at even times, and its controls beside it.
+        Drawn with marks at even times; beside it its controls, and the cells in which it is, over time.
     title
         Above the map.
 
@@ -87,7 +91,8 @@ def picture(
         draw_ground(ground, workspace)
         if trajectory is not None:
             draw_trajectory(ground, workspace, trajectory)
-            draw_controls(controls, trajectory)
+            draw_controls(controls[:2], trajectory)
+            draw_visits(controls[2], workspace, trajectory)
         elif plan is not None:
             draw_plan(ground, workspace, plan)
         if title:
@@ -131,7 +136,29 @@ def draw_controls(axes: tuple[Axes, ...], trajectory: Trajectory) -> None:
         # A control that is all but constant is not blown up to fill its axis.
         if high - low < 1e-3 * max(1.0, float(np.abs(values).max())):
             axis.set_ylim(low - 0.5, high + 0.5)
-    axes[-1].set_xlabel("time  [s]")
+
+
+def draw_visits(axis: Axes, workspace: Workspace, trajectory: Trajectory) -> None:
+    """The plan: in which cell the robot is when, in the colours of the map, named where there is room."""
+    assert workspace.positions is not None
+    cells = {(x, y): cell for cell, (x, y) in enumerate(workspace.positions.tolist())}
+    colours = cell_colours(workspace)
+    end = float(trajectory.end)
+    begins = [min(float(visit.enter), end) for visit in trajectory.visits]
+    for visit, begin, finish in zip(trajectory.visits, begins, [*begins[1:], end], strict=True):
+        cell = cells[visit.ground.x, visit.ground.y]
+        edge = FAINT if len(begins) <= _MOST_BORDERS else "none"
+        axis.axvspan(begin, finish, facecolor=colours[cell], edgecolor=edge, linewidth=0.6)
+        lines = [workspace.names[cell], ", ".join(sorted(workspace.holds(cell)))]
+        room = (finish - begin) / max(end, 1e-9) * _CONTROLS_WIDTH * 72 * 0.9
+        if max(map(len, lines)) * _LETTER <= room:
+            text = "\n".join(filter(None, lines))
+            axis.text((begin + finish) / 2, 0.5, text, color=INK, fontsize=7, ha="center", va="center")
+    axis.set_ylim(0.0, 1.0)
+    axis.set_yticks([])
+    axis.spines["left"].set_visible(False)
+    axis.set_ylabel("cell", rotation=0, ha="right", va="center")
+    axis.set_xlabel("time  [s]")
 
 
 def _layout(workspace: Workspace, *, with_controls: bool) -> tuple[Figure, Axes, tuple[Axes, ...]]:
@@ -143,16 +170,19 @@ def _layout(workspace: Workspace, *, with_controls: bool) -> tuple[Figure, Axes,
         FigureCanvasAgg(figure)
         return figure, figure.add_subplot(), ()
     beside = width <= _MAP_HEIGHT * 1.3
-    size = (width + _CONTROLS_WIDTH, max(height, 3.4)) if beside else (width + 0.3, height + 3.0)
+    size = (width + _CONTROLS_WIDTH, max(height, 3.4)) if beside else (width + 0.3, height + 3.4)
     figure = Figure(figsize=size, layout="constrained")
     FigureCanvasAgg(figure)
     if beside:
-        cells = figure.add_gridspec(2, 2, width_ratios=[width, _CONTROLS_WIDTH])
-        ground, first, second = cells[:, 0], cells[0, 1], cells[1, 1]
+        both = figure.add_gridspec(
+            3, 2, width_ratios=[width, _CONTROLS_WIDTH], height_ratios=[1.0, 1.0, _STRIP]
+        )
+        ground, *over_time = both[:, 0], both[0, 1], both[1, 1], both[2, 1]
     else:
-        rows = figure.add_gridspec(3, 1, height_ratios=[height, 1.4, 1.4])
-        ground, first, second = rows[0], rows[1], rows[2]
-    speed = figure.add_subplot(first)
-    turn_rate = figure.add_subplot(second, sharex=speed)
-    speed.tick_params(labelbottom=False)
-    return figure, figure.add_subplot(ground), (speed, turn_rate)
+        rows = figure.add_gridspec(4, 1, height_ratios=[height, 1.4, 1.4, 1.4 * _STRIP])
+        ground, *over_time = rows[0], rows[1], rows[2], rows[3]
+    speed = figure.add_subplot(over_time[0])
+    turn_rate, visits = (figure.add_subplot(place, sharex=speed) for place in over_time[1:])
+    for axis in (speed, turn_rate):
+        axis.tick_params(labelbottom=False)
+    return figure, figure.add_subplot(ground), (speed, turn_rate, visits)

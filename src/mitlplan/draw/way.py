@@ -193,8 +193,11 @@ def _draw_dart(axes: Axes, pose: tuple[float, float, float], size: float, share:
     x, y, heading = pose
     outline = robot_outline(x, y, heading, size).T
     axes.fill(*outline, facecolor=time_colour(share), edgecolor="white", linewidth=0.7, zorder=6)
-    # To the left of the robot, so that the times of a way there and back stand on different sides.
-    _label(axes, text, x, y, (-11 * math.sin(heading), 11 * math.cos(heading)))
+    # To the left of the robot, so that the times of a way there and back stand on different sides; a text is
+    # wider than it is high.
+    across, up = -math.sin(heading), math.cos(heading)
+    away = 7 + abs(across) * 2.6 * len(text) + abs(up) * 4
+    _label(axes, text, x, y, (away * across, away * up))
 
 
 def robot_outline(x: float, y: float, heading: float, size: float) -> Array:
@@ -213,6 +216,7 @@ def _mark(axes: Axes, place: Array, shape: str) -> None:
         markerfacecolor="none",
         markeredgecolor=INK,
         markeredgewidth=1.3,
+        clip_on=False,
         zorder=4,
     )
 
