@@ -112,6 +112,7 @@ class Interner:
         self.numbers: dict[Hashable, int] = {}
 
     def __call__(self, value: Hashable) -> int:
+        """The number of `value`."""
         return self.numbers.setdefault(value, len(self.numbers))
 
 
