@@ -180,9 +180,7 @@ class _Tabulation:
     def _bounds_row(self, constants: dict[str, tuple[int, int]]) -> tuple[tuple[int, int, int], ...]:
         return tuple(sorted((self.clocks[clock], *pair) for clock, pair in constants.items()))
 
-    def _edge(
-        self, automaton: Automaton, number: int, index: int
-    ) -> tuple[int, ...]:
+    def _edge(self, automaton: Automaton, number: int, index: int) -> tuple[int, ...]:
         edge = automaton.edges[index]
         side = edge.synchronisation
         return (
