@@ -98,14 +98,13 @@ void Reachability::look_for_goals(const ActiveClocks& clocks) {
 
 void Reachability::store(NodeId parent, Index state, const ActiveClocks& clocks) {
     look_for_goals(clocks);
-    dbm::extrapolate_lu_plus(settled_, clocks.dimension(), clocks.lower, clocks.upper);
     State& home = states_[static_cast<std::size_t>(state)];
     const std::size_t size = dbm::size(clocks.dimension());
     for (NodeId* link = &home.first; *link != none;) {
         Node& other = nodes_[static_cast<std::size_t>(*link)];
         const std::span<const Bound> zone(other.zone, size);
-        if (dbm::includes(zone, settled_)) return;
-        if (dbm::includes(settled_, zone)) {
+        if (dbm::simulates(zone, settled_, clocks.dimension(), clocks.lower, clocks.upper)) return;
+        if (dbm::simulates(settled_, zone, clocks.dimension(), clocks.lower, clocks.upper)) {
             other.covered = true;
             ++covered_;
             *link = other.next;
@@ -123,9 +122,11 @@ void Reachability::store(NodeId parent, Index state, const ActiveClocks& clocks)
     parts_.insert(parts_.end(), taking_part_.begin(), taking_part_.end());
     home.first = node;
     const int time = system_.time_clock == none ? 0 : clocks.position(system_.time_clock);
+    // Without an objective what came first goes first; with one, what has come furthest is nearest to a goal.
+    const Index rank = system_.time_clock == none ? depth : -depth;
     const Bound least = zone[time];
-    waiting_.push({-value(least), is_strict(least), depth, true, node, none});
-    for (const auto& [aim, bound] : goals_) waiting_.push({-value(bound), is_strict(bound), depth, false, node, aim});
+    waiting_.push({-value(least), is_strict(least), rank, true, node, none});
+    for (const auto& [aim, bound] : goals_) waiting_.push({-value(bound), is_strict(bound), rank, false, node, aim});
 }
 
 void Reachability::move(std::span<const Bound> zone) {

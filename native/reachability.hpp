@@ -2,8 +2,10 @@
 //
 // A state is a location for each component, the integers, and a zone over the active clocks: all valuations that
 // delays lead to (Bengtsson and Yi 2004). With an objective clock the waiting list is ordered by the least time, as in
-// search.hpp; without, first in first out, which makes it breadth first. A zone that lies in another one with the same
-// locations and integers is dropped, whichever came first; Extra+_LU keeps their number finite and is exact.
+// search.hpp; without, first in first out, which makes it breadth first. A zone that another one with the same locations
+// and integers simulates is dropped, whichever came first: Z in a_LU(Z') (Herbreteau, Srivathsan and Walukiewicz 2012),
+// the coarsest test that the bounds of clocks allow. Zones are kept as they are, so none has to be extrapolated and
+// closed again; that there are finitely many to keep follows from the test.
 // Where a clock that is still read stands still while time passes, zones are only over-approximated: a goal may then be
 // no real one, and `run` goes on behind it; an empty waiting list is a proof all the same.
 #pragma once

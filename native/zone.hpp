@@ -209,6 +209,30 @@ inline bool extrapolate_lu_plus(std::span<Bound> zone, int dimension, std::span<
     return changed;
 }
 
+/// Whether a diagonal-free automaton can do from `outer` all it can do from `inner`: whether every valuation of `inner`
+/// is simulated by one of `outer`, i.e. `inner` lies in a_LU(outer). That set is no zone, but the test is O(n^2)
+/// (Herbreteau, Srivathsan and Walukiewicz 2012, Better abstractions for timed automata, theorem 34). Bounds as for
+/// `extrapolate_lu_plus`, whose result lies in a_LU(zone): zones that were extrapolated may be compared.
+inline bool simulates(std::span<const Bound> outer, std::span<const Bound> inner, int dimension,
+                      std::span<const Ticks> lower, std::span<const Ticks> upper) noexcept {
+    if (is_empty(inner)) return true;
+    if (is_empty(outer)) return false;
+    for (int x = 0; x < dimension; ++x) {
+        const Bound least = inner[static_cast<std::size_t>(x)];
+        if (x != 0 && -value(least) > upper[static_cast<std::size_t>(x)]) continue;
+        for (int y = 0; y < dimension; ++y) {
+            const Bound wide = outer[entry(dimension, y, x)];
+            if (wide >= inner[entry(dimension, y, x)]) continue;
+            const Ticks largest = y == 0 ? 0 : lower[static_cast<std::size_t>(y)];
+            // outer(y, x) + (<, -L_y) < inner(0, x), where the left side is strict.
+            if (largest >= 0 && value(wide) - largest <= value(least)) {
+                if (value(wide) - largest < value(least) || !is_strict(least)) return false;
+            }
+        }
+    }
+    return true;
+}
+
 /// The zone `to`, of dimension source.size(), whose clock k is clock source[k] of `from`, or a new clock with the
 /// value 0 if source[k] is `fresh_clock`. source[0] is 0. Dropping, adding, copying and permuting clocks at once:
 /// a new clock is a copy of x_0, and a closed matrix stays closed when rows and columns are taken from it.

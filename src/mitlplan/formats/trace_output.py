@@ -19,8 +19,8 @@ from mitlplan.search.fastest import Stopped
 from mitlplan.search.reach import Effort, Reachable, Reached, Unknown, Unreachable
 
 _UNKNOWN = (
-    "every trace that was found needs times that stopped clocks do not allow; whether there is another is not "
-    "known, because zones over-approximate where such clocks are read"
+    "every trace that was found needs times that stopped clocks do not allow; whether there is another is "
+    "not known, because zones over-approximate where such clocks are read"
 )
 
 
