@@ -219,7 +219,9 @@ inline bool simulates(std::span<const Bound> outer, std::span<const Bound> inner
     if (is_empty(outer)) return false;
     for (int x = 0; x < dimension; ++x) {
         const Bound least = inner[static_cast<std::size_t>(x)];
-        if (x != 0 && -value(least) > upper[static_cast<std::size_t>(x)]) continue;
+        // Whether every value of x is beyond its upper constant: inner(0, x) < (<=, -U_x).
+        const Ticks beyond = x == 0 ? 0 : upper[static_cast<std::size_t>(x)];
+        if (-value(least) > beyond || (-value(least) == beyond && is_strict(least))) continue;
         for (int y = 0; y < dimension; ++y) {
             const Bound wide = outer[entry(dimension, y, x)];
             if (wide >= inner[entry(dimension, y, x)]) continue;
@@ -289,6 +291,7 @@ public:
     bool constrain(int i, int j, Bound bound) { return dbm::constrain(matrix_, dimension_, i, j, bound); }
     void up() noexcept { dbm::up(matrix_, dimension_); }
     void up_strict() noexcept { dbm::up_strict(matrix_, dimension_); }
+    void up_partly(std::span<const std::uint8_t> stopped) noexcept { dbm::up_partly(matrix_, dimension_, stopped); }
     void reset(int i, Ticks value = 0) { dbm::reset(matrix_, dimension_, i, value); }
     void free(int i) noexcept { dbm::free(matrix_, dimension_, i); }
     bool close() { return dbm::close(matrix_, dimension_); }
@@ -298,6 +301,9 @@ public:
     }
 
     bool includes(const Zone& other) const noexcept { return dbm::includes(matrix_, other.matrix_); }
+    bool simulates(const Zone& other, std::span<const Ticks> lower, std::span<const Ticks> upper) const noexcept {
+        return dbm::simulates(matrix_, other.matrix_, dimension_, lower, upper);
+    }
     bool equals(const Zone& other) const noexcept { return dbm::equals(matrix_, other.matrix_); }
     bool intersects(const Zone& other) const { return Zone(*this).intersect(other); }
     std::size_t hash() const noexcept { return dbm::hash(matrix_); }
