@@ -8,7 +8,7 @@ worklist over the edges of each small transducer; the map needs none, because ev
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import lcm
@@ -33,6 +33,12 @@ from mitlplan.automata.transducer import (
 
 TICK_LIMIT = 2**60
 """Times beyond this many ticks are refused; the native side holds the same limit."""
+
+FARTHEST = 2**53
+"""Ticks at which distances are cut off, so that sums of them are safe; as bounds they are still right."""
+
+NOTHING = 0
+"""The number of the empty guard, of no resets, no signals and no bounds: they are interned first."""
 
 MAP_CLOCK = "z"
 UNBOUNDED = -1
@@ -226,22 +232,24 @@ class _Tabulation:
         return self.clocks(name)
 
     def guard(self, constraints: Guard) -> int:
-        return self.guards(guard_row(constraints, self.clock, self.ticks))
+        return self.guards(guard_row(constraints, self.clock, self.ticks)) if constraints else NOTHING
 
-    def signal_set(self, signals: Iterable[str]) -> int:
+    def signal_set(self, signals: Collection[str] = ()) -> int:
+        if not signals:
+            return NOTHING
         mask = 0
         for signal in signals:
-            if signal in self.signals.numbers:
-                mask |= 1 << self.signals(signal)
+            number = self.signals.numbers.get(signal)
+            if number is not None:
+                mask |= 1 << number
         return self.signal_sets(mask)
 
     def run(self) -> Tables:
         network = self.network
         columns: dict[str, Any] = {}
-        self.signal_set(())
-        self.guard(())
-        self.resets(())
-        self.bounds(())
+        self.signal_sets(0)
+        for empty in (self.guards, self.resets, self.bounds):
+            empty(())
         driver_locations, driver_edges = self.driver(network.map)
         component_start = [0, network.map.location_count + 1]
         location_rows: list[tuple[int, ...]] = []
@@ -277,7 +285,7 @@ class _Tabulation:
         durations = [self.ticks(duration) for duration in automaton.durations]
         labels = np.array(
             [
-                self.signal_set(name for name, where in self.network.predicates.items() if label in where)
+                self.signal_set([name for name, where in self.network.predicates.items() if label in where])
                 for label in range(len(automaton.label_sets))
             ],
             dtype=np.int32,
@@ -319,13 +327,12 @@ class _Tabulation:
             dtype=np.int32,
         )
         resets = self.resets((self.clock(MAP_CLOCK),) if MAP_CLOCK in self.clocks.numbers else ())
-        empty = self.signal_set(())
         moves, begins = len(automaton.source), len(automaton.initial)
         locations = {
             "invariant": np.append(invariants, 0),
             "still": np.append(stills, 0),
             "bounds": np.append(bound_numbers[which], 0),
-            "emits": np.append(labels[automaton.label_of], empty),
+            "emits": np.append(labels[automaton.label_of], NOTHING),
         }
         edges = {
             "start": np.append(starts, moves + begins),
@@ -362,18 +369,20 @@ class _Tabulation:
         every = {"move": transducer.edges, "ending": transducer.endings, "parking": transducer.parkings}
         for kind, edges in every.items():
             column = kinds[kind]
+            leaving: dict[str, list[Edge]] = {location.name: [] for location in transducer.locations}
+            for edge in edges:
+                if edge.requires <= self.emitted:
+                    leaving[edge.source].append(edge)
             for location in transducer.locations:
                 column.start.append(len(column.rows))
-                for edge in edges:
-                    if edge.source != location.name or not edge.requires <= self.emitted:
-                        continue
+                for edge in leaving[location.name]:
                     target = number[edge.target] if kind == "move" else number[edge.source]
                     resets = tuple(sorted(self.clock(clock) for clock in edge.resets))
                     column.rows.append(
                         (
                             target,
                             self.guard(edge.guard),
-                            self.resets(resets),
+                            self.resets(resets) if resets else NOTHING,
                             self.signal_set(edge.requires),
                             self.signal_set(edge.excludes),
                             self.signal_set(edge.emits),
@@ -404,7 +413,7 @@ class _Tabulation:
         return (
             self.guard(location.invariant),
             bounds,
-            self.signal_set(()),
+            NOTHING,
             restless,
             target,
             deadline_clock,
@@ -465,12 +474,36 @@ class _Tabulation:
             shown[list(self.network.predicates[str(name)])] = True
             goals.append(np.flatnonzero(shown[automaton.label_of]).astype(np.int32))
         ticks = np.array([self.ticks(duration) for duration in automaton.durations], dtype=np.int64)
-        rows = _core.distances(count, automaton.source, automaton.target, automaton.least, ticks, goals)
-        result[:, :count] = rows.reshape(-1, count)
+        result[:, :count] = nearest(count, automaton.source, automaton.target, automaton.least, ticks, goals)
         # From before the start the way begins in any cell of the start.
         for row in result:
             row[count] = min((there for there in row[list(automaton.initial)].tolist() if there >= 0), default=UNBOUNDED)
         return result.reshape(-1)
+
+
+def nearest(
+    count: int,
+    source: NDArray[np.int32],
+    target: NDArray[np.int32],
+    time: NDArray[np.int32],
+    ticks: NDArray[np.int64],
+    goals: Sequence[NDArray[np.int32]],
+) -> NDArray[np.int64]:
+    """For each array of goals the least ticks from every place to one of them.
+
+    Parameters
+    ----------
+    count
+        How many places there are.
+    source, target, time
+        Shape (moves,): between which places, and the index into `ticks` of how long it takes.
+
+    Returns
+    -------
+    int64, shape (goals, count)
+        Negative where there is no way; what is farther than :data:`FARTHEST` counts as so far.
+    """
+    return _core.distances(count, source, target, time, ticks, list(goals)).reshape(-1, count)
 
 
 def _pairs(
