@@ -43,7 +43,7 @@ from mitlplan.mission import Horizon, Mission, Spec, UntilKind, mission_for
 from mitlplan.plan import Infeasible, LimitReached, Loop, Outcome, Plan, Statistics, Step
 from mitlplan.search.fastest import Exhausted, Found, Limits, Progress, Stopped, fastest_run
 from mitlplan.search.schedule import STANDS_STILL, schedule
-from mitlplan.search.tables import Tables, tabulate
+from mitlplan.search.tables import Tables, tabulate, ticks_per_second
 from mitlplan.slack import slack_of
 from mitlplan.translation.compact.relax import can_end, parked_label
 from mitlplan.translation.compact.translate import translate
@@ -216,6 +216,8 @@ class _Planning:
                 construction=question.construction,
             )
             self.size = _size(network)
+            # What no tables could hold is refused, whether they are needed or not.
+            ticks_per_second(network)
         endless = self.horizon == "infinite" and not all(map(accomplishable, question.formulas))
         # Where no run can end or park, only loops need to be sought.
         endings = not endless or can_end(question.core)

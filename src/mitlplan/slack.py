@@ -204,7 +204,9 @@ class _Line:
         workspace, steps = self.workspace, self.plan.steps
         cells = [index for index in (workspace.index_of(step.cell) for step in steps) if index is not None]
         labels = [workspace.label_sets[index] for index in workspace.label_of[cells].tolist()]
-        ways = workspace.moves_along([*cells, *(() if self.loop_start is None else (cells[self.loop_start],))])
+        ways = workspace.moves_along(
+            [*cells, *(() if self.loop_start is None else (cells[self.loop_start],))]
+        )
         for step, label, moves in zip(steps, labels, ways, strict=False):
             stay = (step.leave or step.enter) - step.enter
             least, most = next(times for times in map(self._times, moves) if _within(stay, *times))

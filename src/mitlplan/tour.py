@@ -408,6 +408,21 @@ def _joint(
     there is it home.
     """
     count = workspace.cell_count
+    twice = _with_copy(workspace, ways)
+    others = [visit.label for visit, cells in places if home not in cells]
+    walk = seeker.walk(_with_home(twice, home + count), (home,), others, _HOME)
+    if walk is None:
+        return None
+    entry = next(place for place, (cell, _) in enumerate(walk.stays[1:]) if cell >= count)
+    stays = [(cell % count, duration) for cell, duration in walk.stays[:-1]]
+    before, duration = stays[entry]
+    stays[entry] = before, duration - Fraction(int(ways.ticks[before]), ways.scale)
+    return ways.to(before), (*stays[entry:], *stays[:entry])
+
+
+def _with_copy(workspace: Workspace, ways: _Ways) -> Workspace:
+    """The map and a copy: every move leads there as well, and takes longer by the way to where it begins."""
+    count = workspace.cell_count
     durations = [int(duration * ways.scale) for duration in workspace.durations]
     times = np.array(durations, dtype=np.int64)[workspace.least]
     enters = np.isfinite(ways.ticks[workspace.source])
@@ -418,7 +433,7 @@ def _joint(
     # The moves of each copy are in order, and the first copy comes first: only sources have to be merged.
     order = np.argsort(source, kind="stable")
     distinct, least = _distinct(ticks[order])
-    twice = Workspace(
+    return Workspace(
         names=GridNames((1, 2 * count), np.arange(2 * count)),
         label_sets=workspace.label_sets,
         label_of=np.tile(workspace.label_of, 2),
@@ -429,15 +444,6 @@ def _joint(
         most=np.full(len(order), UNLIMITED, dtype=np.int32),
         waiting=True,
     )
-    others = [visit.label for visit, cells in places if home not in cells]
-    walk = seeker.walk(_with_home(twice, home + count), (home,), others, _HOME)
-    if walk is None:
-        return None
-    entry = next(place for place, (cell, _) in enumerate(walk.stays[1:]) if cell >= count)
-    stays = [(cell % count, duration) for cell, duration in walk.stays[:-1]]
-    before, duration = stays[entry]
-    stays[entry] = before, duration - Fraction(int(ways.ticks[before]), ways.scale)
-    return ways.to(before), (*stays[entry:], *stays[:entry])
 
 
 def _distinct(ticks: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:

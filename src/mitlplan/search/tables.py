@@ -8,7 +8,7 @@ worklist over the edges of each small transducer; the map needs none, because ev
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import lcm
@@ -315,7 +315,9 @@ class _Tabulation:
         rank = {time: number for number, time in enumerate(ordered)}
         asked = np.array([rank[durations[least] or UNBOUNDED] for least, _ in times], dtype=np.int32)
         allowed = np.array([rank[_time(durations, most)] for _, most in times], dtype=np.int32)
-        stays = np.array([rank[_time(durations, index)] for index in range(NEVER, len(durations))], dtype=np.int32)
+        stays = np.array(
+            [rank[_time(durations, index)] for index in range(NEVER, len(durations))], dtype=np.int32
+        )
         lower = _largest_of_each(asked, which, starts)
         upper = np.maximum(stays[automaton.invariant + 1], _largest_of_each(allowed, which, starts))
         constants, which = _pairs(lower, upper, len(ordered))
@@ -477,7 +479,9 @@ class _Tabulation:
         result[:, :count] = nearest(count, automaton.source, automaton.target, automaton.least, ticks, goals)
         # From before the start the way begins in any cell of the start.
         for row in result:
-            row[count] = min((there for there in row[list(automaton.initial)].tolist() if there >= 0), default=UNBOUNDED)
+            row[count] = min(
+                (there for there in row[list(automaton.initial)].tolist() if there >= 0), default=UNBOUNDED
+            )
         return result.reshape(-1)
 
 
@@ -577,7 +581,13 @@ def _every_edge(transducer: Transducer) -> tuple[Edge, ...]:
 
 
 def ticks_per_second(network: Network) -> int:
-    """The least common denominator of all times of `network`, in seconds: the scale of its tables."""
+    """The least common denominator of all times of `network`, in seconds: the scale of its tables.
+
+    Raises
+    ------
+    OverflowError
+        If a time needs more ticks than 64-bit arithmetic holds safely.
+    """
     times = set(network.map.durations)
     for transducer in network.transducers:
         for edge in _every_edge(transducer):
@@ -586,4 +596,6 @@ def ticks_per_second(network: Network) -> int:
             times.update(constraint.bound for constraint in location.invariant)
             if location.deadline is not None:
                 times.add(location.deadline.bound)
-    return lcm(*(time.denominator for time in times))
+    scale = lcm(*(time.denominator for time in times))
+    ticks_of(max(times, default=Fraction(0)), scale)
+    return scale
