@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,15 +26,23 @@ using Column = nb::ndarray<const Entry, nb::ndim<1>, nb::c_contig, nb::device::c
 // By name: integers, and arrays of them.
 using NamedTables = nb::typed<nb::dict, nb::str, nb::object>;
 
+/// The entries where they are. The dictionary keeps them: an array of another type is not converted, since the copy
+/// would be gone when this returns.
 template <typename Entry>
-std::vector<Entry> column(const nb::dict& tables, const char* name) {
+std::span<const Entry> view(const nb::dict& tables, const char* name) {
     if (!tables.contains(name)) throw nb::value_error((std::string("the tables lack ") + name).c_str());
     try {
-        const auto array = nb::cast<Column<Entry>>(tables[name]);
-        return {array.data(), array.data() + array.shape(0)};
+        const auto array = nb::cast<Column<Entry>>(tables[name], false);
+        return {array.data(), array.shape(0)};
     } catch (const nb::cast_error&) {
         throw nb::value_error((std::string("the wrong type of array: ") + name).c_str());
     }
+}
+
+template <typename Entry>
+std::vector<Entry> column(const nb::dict& tables, const char* name) {
+    const auto entries = view<Entry>(tables, name);
+    return {entries.begin(), entries.end()};
 }
 
 inline Index number(const nb::dict& tables, const char* name) {

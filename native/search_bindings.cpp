@@ -3,9 +3,11 @@
 // and time limits stay with Python.
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
 
 #include "bindings.hpp"
 #include "columns.hpp"
+#include "distances.hpp"
 #include "search.hpp"
 
 namespace mitlplan {
@@ -13,15 +15,15 @@ namespace mitlplan {
 namespace {
 
 std::vector<Location> read_locations(const nb::dict& from) {
-    const auto invariants = column<Index>(from, "location_invariant");
-    const auto stills = column<Index>(from, "location_still");
-    const auto bounds = column<Index>(from, "location_bounds");
-    const auto emits = column<Index>(from, "location_emits");
-    const auto restless = column<Index>(from, "location_restless");
-    const auto targets = column<Index>(from, "location_target");
-    const auto clocks = column<Index>(from, "location_deadline_clock");
-    const auto deadlines = column<Ticks>(from, "location_deadline");
-    const auto reliefs = column<Index>(from, "location_relief");
+    const auto invariants = view<Index>(from, "location_invariant");
+    const auto stills = view<Index>(from, "location_still");
+    const auto bounds = view<Index>(from, "location_bounds");
+    const auto emits = view<Index>(from, "location_emits");
+    const auto restless = view<Index>(from, "location_restless");
+    const auto targets = view<Index>(from, "location_target");
+    const auto clocks = view<Index>(from, "location_deadline_clock");
+    const auto deadlines = view<Ticks>(from, "location_deadline");
+    const auto reliefs = view<Index>(from, "location_relief");
     for (const std::size_t size : {stills.size(), bounds.size(), emits.size(), restless.size(), targets.size(),
                                    clocks.size(), deadlines.size(), reliefs.size()})
         same_length(size, invariants.size());
@@ -35,13 +37,13 @@ std::vector<Location> read_locations(const nb::dict& from) {
 
 std::vector<Edge> read_edges(const nb::dict& from, const std::string& kind) {
     const auto name = [&](const char* part) { return kind + "_" + part; };
-    const auto targets = column<Index>(from, name("target").c_str());
-    const auto guards = column<Index>(from, name("guard").c_str());
-    const auto resets = column<Index>(from, name("resets").c_str());
-    const auto reads = column<Index>(from, name("reads").c_str());
-    const auto avoids = column<Index>(from, name("avoids").c_str());
-    const auto emits = column<Index>(from, name("emits").c_str());
-    const auto marks = column<Index>(from, name("marks").c_str());
+    const auto targets = view<Index>(from, name("target").c_str());
+    const auto guards = view<Index>(from, name("guard").c_str());
+    const auto resets = view<Index>(from, name("resets").c_str());
+    const auto reads = view<Index>(from, name("reads").c_str());
+    const auto avoids = view<Index>(from, name("avoids").c_str());
+    const auto emits = view<Index>(from, name("emits").c_str());
+    const auto marks = view<Index>(from, name("marks").c_str());
     for (const std::size_t size :
          {guards.size(), resets.size(), reads.size(), avoids.size(), emits.size(), marks.size()})
         same_length(size, targets.size());
@@ -77,6 +79,23 @@ Tables read_tables(const nb::dict& from) {
 }  // namespace
 
 void bind_search(nb::module_& module) {
+    module.def(
+        "distances",
+        [](Index locations, const Column<Index>& sources, const Column<Index>& targets, const Column<Index>& times,
+           const Column<Ticks>& ticks, const std::vector<Column<Index>>& goals) {
+            if (locations < 0) throw nb::value_error("a negative number of locations");
+            const auto span = [](const auto& of) { return std::span(of.data(), of.shape(0)); };
+            Distances moves(locations, span(sources), span(targets), span(times), span(ticks));
+            const auto count = static_cast<std::size_t>(locations);
+            std::vector<Ticks> result(goals.size() * count);
+            for (std::size_t field = 0; field < goals.size(); ++field)
+                moves.to(span(goals[field]), std::span(result).subspan(field * count, count));
+            return to_array(std::move(result));
+        },
+        nb::arg("locations"), nb::arg("source"), nb::arg("target"), nb::arg("time"), nb::arg("ticks"),
+        nb::arg("goals"),
+        "For each array of goals a row of the least ticks from every location to one of them, -1 where there is no "
+        "way; `time` is the index of each move into `ticks`. What is farther than 2^53 ticks is given as that.");
     nb::class_<Search>(module, "Search", "Best-first search over the zone graph of a network given as tables.")
         .def(
             "__init__",
