@@ -1,19 +1,13 @@
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/vector.h>
 
 #include "bindings.hpp"
+#include "columns.hpp"
 #include "schedule.hpp"
-
-namespace nb = nanobind;
 
 namespace mitlplan {
 
 namespace {
-
-template <typename Entry>
-using Column = nb::ndarray<const Entry, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 std::vector<Difference> read_differences(std::int32_t steps, const Column<std::int32_t>& from,
                                          const Column<std::int32_t>& to, const Column<Ticks>& weight,

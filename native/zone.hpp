@@ -113,6 +113,20 @@ inline void up_strict(std::span<Bound> zone, int dimension) noexcept {
     }
 }
 
+/// Time passes, possibly none, for the clocks that are not stopped: the least zone around { v + d * r | v in zone, d >=
+/// 0 } with r_i = 0 for stopped clocks and 1 for the others. That set is no zone where a stopped and a running clock
+/// are related to others (Cassez and Larsen 2000, The impressive power of stopwatches): an over-approximation. Bounds
+/// of running on stopped clocks go. Closed: what is left of a path into a running clock never leads over the removed
+/// entries, and a path into a stopped clock begins at one.
+inline void up_partly(std::span<Bound> zone, int dimension, std::span<const std::uint8_t> stopped) noexcept {
+    if (is_empty(zone)) return;
+    for (int i = 1; i < dimension; ++i) {
+        if (stopped[static_cast<std::size_t>(i)] != 0) continue;
+        for (int j = 0; j < dimension; ++j)
+            if (j == 0 || stopped[static_cast<std::size_t>(j)] != 0) zone[entry(dimension, i, j)] = infinity;
+    }
+}
+
 /// x_i := value, which is >= 0. O(n).
 inline void reset(std::span<Bound> zone, int dimension, int i, Ticks value = 0) {
     assert(0 < i && i < dimension && 0 <= value);

@@ -23,15 +23,25 @@ from typing import TYPE_CHECKING, Annotated, TextIO
 
 import typer
 
-from mitlplan import cli_models, cli_trajectory
+from mitlplan import cli_models, cli_reach, cli_trajectory
+from mitlplan.cli_options import (
+    BAD_INPUT,
+    FOUND,
+    INTERRUPTED,
+    LIMIT,
+    NONE,
+    OUR_ERROR,
+    MemoryLimit,
+    Output,
+    TimeLimit,
+    progress_shown,
+)
 from mitlplan.errors import MitlplanError
 
 if TYPE_CHECKING:
     from mitlplan.mission import Mission
     from mitlplan.plan import Outcome
-    from mitlplan.planner import Answer, Progress
-
-FOUND, NONE, BAD_INPUT, LIMIT, OUR_ERROR, INTERRUPTED = 0, 1, 2, 3, 70, 130
+    from mitlplan.planner import Answer
 
 app = typer.Typer(
     name="mitlplan",
@@ -94,25 +104,9 @@ def _exact_option(text: str | None) -> str | None:
     return text
 
 
-def _finite_option(seconds: float | None) -> float | None:
-    if seconds is not None and not 0 < seconds < float("inf"):
-        raise typer.BadParameter("a positive number of seconds is expected")
-    return seconds
-
-
 MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")]
-Output = Annotated[
-    Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write here instead of to stdout.")
-]
 Until = Annotated[UntilChoice | None, typer.Option(help="Instead of the mission's own.")]
 Horizon = Annotated[HorizonChoice | None, typer.Option(help="Instead of the mission's own.")]
-TimeLimit = Annotated[
-    float | None,
-    typer.Option(metavar="SECONDS", callback=_finite_option, help="Stop the search after so long."),
-]
-MemoryLimit = Annotated[
-    int | None, typer.Option(metavar="MB", min=1, help="Stop the search when it holds so much.")
-]
 WitnessFormOption = Annotated[WitnessForm, typer.Option("--format", help="How the answer is written.")]
 FormulaText = Annotated[str, typer.Argument(metavar="FORMULA", help="A formula, in quotes.")]
 
@@ -173,7 +167,7 @@ def plan_command(
         begin = time.perf_counter()
         read = _read(mission, until, horizon, epsilon)
         reading = time.perf_counter() - begin
-        with _progress_shown() as progress:
+        with progress_shown() as progress:
             outcome = planner.plan(
                 read,
                 construction=construction.value,
@@ -361,7 +355,7 @@ def _decide(
     from mitlplan.planner import Satisfiable
 
     formulas = [parse(text) for text in texts]
-    with _progress_shown() as progress:
+    with progress_shown() as progress:
         answer = question(
             *formulas, until=until.value, time_limit=time_limit, memory_limit=memory_limit, progress=progress
         )
@@ -407,17 +401,6 @@ def _say(message: str) -> None:
 
 
 @contextmanager
-def _progress_shown() -> Iterator[Callable[[Progress], None]]:
-    from mitlplan.formats.progress_line import ProgressLine
-
-    line = ProgressLine(sys.stderr)
-    try:
-        yield lambda progress: line.show(progress.states, progress.lower_bound, progress.seconds)
-    finally:
-        line.clear()
-
-
-@contextmanager
 def _errors_reported() -> Iterator[None]:
     """Turn whatever goes wrong into a sentence and the exit code that belongs to it."""
     try:
@@ -442,4 +425,5 @@ def _errors_reported() -> Iterator[None]:
 
 
 cli_models.register(app, _errors_reported)
+cli_reach.register(app, _errors_reported)
 cli_trajectory.register(app, _errors_reported)

@@ -193,9 +193,11 @@ class _Runner:
             for clock in edge.resets:
                 ages[self.clock[clock]] = 0
             for assignment in edge.assignments:
-                values[assignment.variable] = value_of(assignment.value, values)
-        if any(not low <= values[name] <= high for name, (low, high) in self.bounds.items()):
-            return None
+                name = assignment.variable
+                values[name] = value_of(assignment.value, values)
+                low, high = self.bounds[name]
+                if not low <= values[name] <= high:
+                    return None
         after = State(tuple(locations), tuple(ages), tuple(values.values()))
         located = [
             each.locations[at] for each, at in zip(self.network.automata, after.locations, strict=True)

@@ -8,11 +8,11 @@ worklist over the edges of each small transducer; the map needs none, because ev
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import lcm
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,14 +84,107 @@ def tabulate(network: Network, *, objective: bool = True) -> Tables:
     return _Tabulation(network, objective).run()
 
 
-class _Interner:
+def ticks_of(seconds: Fraction, scale: int) -> int:
+    """A time in ticks.
+
+    Raises
+    ------
+    OverflowError
+        If there are too many of them.
+    """
+    scaled = seconds * scale
+    if scaled >= TICK_LIMIT:
+        raise OverflowError(
+            f"a time of {seconds} s is more than 2^60 ticks of 1/{scale} s, the common denominator "
+            "of all times; use coarser times"
+        )
+    return int(scaled)
+
+
+Row: TypeAlias = tuple[Any, ...]
+"""Entries that stand one behind the other in the columns of a table."""
+
+
+class Interner:
     """Numbers for values, in order of first appearance."""
 
     def __init__(self) -> None:
         self.numbers: dict[Hashable, int] = {}
 
     def __call__(self, value: Hashable) -> int:
+        """The number of `value`."""
         return self.numbers.setdefault(value, len(self.numbers))
+
+
+class Constants:
+    """The largest lower and upper constants that clocks are still compared with, by location and clock.
+
+    Local ones, by a worklist that goes backwards along the edges of one automaton: Behrmann, Bouyer, Fleury
+    and Larsen 2003. A clock without an entry is not active.
+    """
+
+    def __init__(self, ticks: Callable[[Fraction], int]) -> None:
+        self.at: dict[Hashable, dict[str, tuple[int, int]]] = {}
+        self._ticks = ticks
+
+    def read(self, location: Hashable, guard: Guard) -> None:
+        """Note that `guard` is read in `location`."""
+        for constraint in guard:
+            value = self._ticks(constraint.bound)
+            if constraint.relation in (Relation.LESS, Relation.AT_MOST):
+                self._join(location, constraint.clock, UNBOUNDED, value)
+            else:
+                self._join(location, constraint.clock, value, UNBOUNDED)
+
+    def _join(self, location: Hashable, clock: str, lower: int, upper: int) -> bool:
+        here = self.at.setdefault(location, {})
+        old = here.get(clock)
+        new = (lower, upper) if old is None else (max(old[0], lower), max(old[1], upper))
+        here[clock] = new
+        return new != old
+
+    def spread(self, edges: Iterable[tuple[Hashable, Hashable, frozenset[str]]]) -> None:
+        """What is read behind an edge matters before it, unless the edge resets it."""
+        into: dict[Hashable, list[tuple[Hashable, frozenset[str]]]] = {}
+        for source, target, resets in edges:
+            into.setdefault(target, []).append((source, resets))
+        waiting = list(self.at)
+        while waiting:
+            location = waiting.pop()
+            for source, resets in into.get(location, ()):
+                changed = False
+                for clock, (lower, upper) in list(self.at[location].items()):
+                    if clock not in resets:
+                        changed |= self._join(source, clock, lower, upper)
+                if changed:
+                    waiting.append(source)
+
+
+GUARD_COLUMNS = {"clock": np.int32, "upper": np.uint8, "strict": np.uint8, "value": np.int64}
+BOUNDS_COLUMNS = {"clock": np.int32, "lower": np.int64, "upper": np.int64}
+
+
+def guard_row(guard: Guard, clock: Callable[[str], int], ticks: Callable[[Fraction], int]) -> Row:
+    """A guard as a row of the tables."""
+    return tuple(
+        (
+            clock(constraint.clock),
+            constraint.relation in (Relation.LESS, Relation.AT_MOST),
+            constraint.relation in (Relation.LESS, Relation.GREATER),
+            ticks(constraint.bound),
+        )
+        for constraint in guard
+    )
+
+
+def put_rows(columns: dict[str, Any], name: str, interned: Interner, kinds: Mapping[str, Any]) -> None:
+    """The interned rows as columns, one for each entry of `kinds`, and one that tells where rows begin."""
+    rows: list[Any] = list(interned.numbers)
+    flat = [entry for row in rows for entry in row]
+    columns[f"{name}_start"] = _starts(rows)
+    for index, (column, kind) in enumerate(kinds.items()):
+        entries = flat if len(kinds) == 1 else [entry[index] for entry in flat]
+        columns[f"{name}_{column}"] = np.array(entries, dtype=kind)
 
 
 @dataclass
@@ -105,11 +198,11 @@ class _Tabulation:
         self.network = network
         self.objective = objective
         self.scale = ticks_per_second(network)
-        self.guards = _Interner()
-        self.resets = _Interner()
-        self.bounds = _Interner()
-        self.signal_sets = _Interner()
-        self.clocks = _Interner()
+        self.guards = Interner()
+        self.resets = Interner()
+        self.bounds = Interner()
+        self.signal_sets = Interner()
+        self.clocks = Interner()
         self.clocks("0")
         if objective:
             self.clocks(TIME)
@@ -125,35 +218,19 @@ class _Tabulation:
             for edge in _every_edge(transducer)
             for signal in edge.requires | edge.excludes
         }
-        self.signals = _Interner()
+        self.signals = Interner()
         for signal in sorted(self.emitted & read):
             self.signals(signal)
-        self.fields = _Interner()
+        self.fields = Interner()
 
     def ticks(self, seconds: Fraction) -> int:
-        scaled = seconds * self.scale
-        if scaled >= TICK_LIMIT:
-            raise OverflowError(
-                f"a time of {seconds} s is more than 2^60 ticks of 1/{self.scale} s, the common denominator "
-                "of all times; use coarser times"
-            )
-        return int(scaled)
+        return ticks_of(seconds, self.scale)
 
     def clock(self, name: str) -> int:
         return self.clocks(name)
 
     def guard(self, constraints: Guard) -> int:
-        return self.guards(
-            tuple(
-                (
-                    self.clock(constraint.clock),
-                    constraint.relation in (Relation.LESS, Relation.AT_MOST),
-                    constraint.relation in (Relation.LESS, Relation.GREATER),
-                    self.ticks(constraint.bound),
-                )
-                for constraint in constraints
-            )
-        )
+        return self.guards(guard_row(constraints, self.clock, self.ticks))
 
     def signal_set(self, signals: Iterable[str]) -> int:
         mask = 0
@@ -345,42 +422,13 @@ class _Tabulation:
 
     def constants(self, transducer: Transducer) -> dict[str, dict[str, tuple[int, int]]]:
         """The largest lower and upper constants of each clock that is active in each location."""
-        result: dict[str, dict[str, tuple[int, int]]] = {
-            location.name: {} for location in transducer.locations
-        }
-
-        def join(location: str, clock: str, lower: int, upper: int) -> bool:
-            old = result[location].get(clock, (UNBOUNDED, UNBOUNDED))
-            new = (max(old[0], lower), max(old[1], upper))
-            result[location][clock] = new
-            return new != old
-
-        def join_guard(location: str, guard: Guard) -> None:
-            for constraint in guard:
-                value = self.ticks(constraint.bound)
-                if constraint.relation in (Relation.LESS, Relation.AT_MOST):
-                    join(location, constraint.clock, UNBOUNDED, value)
-                else:
-                    join(location, constraint.clock, value, UNBOUNDED)
-
+        result = Constants(self.ticks)
         for location in transducer.locations:
-            join_guard(location.name, location.invariant)
+            result.read(location.name, location.invariant)
         for edge in _every_edge(transducer):
-            join_guard(edge.source, edge.guard)
-        into: dict[str, list[Edge]] = {location.name: [] for location in transducer.locations}
-        for edge in transducer.edges:
-            into[edge.target].append(edge)
-        waiting = [location.name for location in transducer.locations]
-        while waiting:
-            name = waiting.pop()
-            for edge in into[name]:
-                changed = False
-                for clock, (lower, upper) in list(result[name].items()):
-                    if clock not in edge.resets:
-                        changed |= join(edge.source, clock, lower, upper)
-                if changed:
-                    waiting.append(edge.source)
-        return result
+            result.read(edge.source, edge.guard)
+        result.spread([(edge.source, edge.target, edge.resets) for edge in transducer.edges])
+        return {location.name: result.at.get(location.name, {}) for location in transducer.locations}
 
     # -- columns -------------------------------------------------------------------------------------------
 
@@ -401,21 +449,9 @@ class _Tabulation:
             columns[f"location_{name}"] = np.concatenate([head, own[:, index]]).astype(kind)
 
     def put_interned(self, columns: dict[str, Any]) -> None:
-        guards: list[Any] = list(self.guards.numbers)
-        flat = [constraint for guard in guards for constraint in guard]
-        columns["guard_start"] = _starts(guards)
-        for index, (name, kind) in enumerate(
-            (("clock", np.int32), ("upper", np.uint8), ("strict", np.uint8), ("value", np.int64))
-        ):
-            columns[f"guard_{name}"] = np.array([entry[index] for entry in flat], dtype=kind)
-        resets: list[Any] = list(self.resets.numbers)
-        columns["reset_start"] = _starts(resets)
-        columns["reset_clock"] = np.array([clock for row in resets for clock in row], dtype=np.int32)
-        bounds: list[Any] = list(self.bounds.numbers)
-        flat = [entry for row in bounds for entry in row]
-        columns["bounds_start"] = _starts(bounds)
-        for index, (name, kind) in enumerate((("clock", np.int32), ("lower", np.int64), ("upper", np.int64))):
-            columns[f"bounds_{name}"] = np.array([entry[index] for entry in flat], dtype=kind)
+        put_rows(columns, "guard", self.guards, GUARD_COLUMNS)
+        put_rows(columns, "reset", self.resets, {"clock": np.int32})
+        put_rows(columns, "bounds", self.bounds, BOUNDS_COLUMNS)
         words = max(1, -(-len(self.signals.numbers) // 64))
         masks: list[Any] = list(self.signal_sets.numbers)
         columns["words"] = words
