@@ -148,8 +148,7 @@ def translated(
             layout = layout_of(mission, model)
             return write_uppaal(model.network, model.query, layout=layout, notes=model.notes)
         case Format.tchecker:
-            network = _folded(mission, model) if construction is not Construction.published else model.network
-            return write_tchecker(network, model.query, bound=bound, notes=model.notes)
+            return write_tchecker(_folded(mission, model), model.query, bound=bound, notes=model.notes)
         case Format.dot:
             from mitlplan.formats.dot import automaton_dot
 
