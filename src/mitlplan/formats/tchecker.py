@@ -73,7 +73,7 @@ def write_tchecker(
 
 
 def _goals(query: Query) -> dict[str, frozenset[str]]:
-    """For each automaton that is asked for the locations one of which it must be in, whatever the others are in.
+    """For each automaton asked for, the locations one of which it must be in, whatever the others are in.
 
     Raises
     ------
