@@ -83,8 +83,20 @@ def _read(file: Path, query: str) -> tuple[Network, Query]:
     except OSError as error:
         raise ModelError(f"cannot be read: {error.strerror}", file=str(file)) from None
     model = read_uppaal(text, file=str(file))
-    asked = query or _first(model)
-    return model.network, read_query(asked, model)
+    asked = read_query(query or _first(model), model)
+    if asked.clock is not None and asked.clock in _disturbed(model.network):
+        raise ModelError(
+            f"inf is told of clocks that run from the start, and {asked.clock} is reset or stopped; ask E<>",
+            file=str(file),
+        )
+    return model.network, asked
+
+
+def _disturbed(network: Network) -> frozenset[str]:
+    """The clocks that do not tell the time that has passed."""
+    reset = (edge.resets for automaton in network.automata for edge in automaton.edges)
+    stopped = (location.stopped for automaton in network.automata for location in automaton.locations)
+    return frozenset[str]().union(*reset, *stopped)
 
 
 def _first(model: UppaalModel) -> str:
