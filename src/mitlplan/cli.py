@@ -39,9 +39,11 @@ from mitlplan.cli_options import (
 from mitlplan.errors import MitlplanError
 
 if TYPE_CHECKING:
+    from mitlplan.engine import Engine
     from mitlplan.mission import Mission
     from mitlplan.plan import Outcome
     from mitlplan.planner import Answer
+    from mitlplan.search.fastest import Limits
 
 app = typer.Typer(
     name="mitlplan",
@@ -89,6 +91,15 @@ class Construction(str, Enum):
 
     compact = "compact"
     seed = "seed"
+    published = "published"
+
+
+class EngineChoice(str, Enum):
+    """What searches."""
+
+    zones = "zones"
+    reach = "reach"
+    uppaal = "uppaal"
 
 
 def _exact_option(text: str | None) -> str | None:
@@ -144,6 +155,12 @@ def plan_command(
     construction: Annotated[
         Construction, typer.Option(help="How formulas become automata.")
     ] = Construction.compact,
+    engine: Annotated[
+        EngineChoice,
+        typer.Option(
+            help="What searches: the planner's own, or on the exported model reach or UPPAAL's verifyta."
+        ),
+    ] = EngineChoice.zones,
     until: Until = None,
     horizon: Horizon = None,
     epsilon: Annotated[
@@ -159,22 +176,18 @@ def plan_command(
 ) -> None:
     """Find the fastest plan for a mission, or prove that there is none."""
     with _errors_reported():
-        from mitlplan import planner
         from mitlplan.formats.output import check_writable
+        from mitlplan.search.fastest import Limits
 
         if output is not None:
             check_writable(output)
         begin = time.perf_counter()
         read = _read(mission, until, horizon, epsilon)
         reading = time.perf_counter() - begin
+        search = _search(engine, construction)
         with progress_shown() as progress:
-            outcome = planner.plan(
-                read,
-                construction=construction.value,
-                time_limit=time_limit,
-                memory_limit=memory_limit,
-                progress=progress,
-            )
+            limits = Limits(time_limit, memory_limit, progress)
+            outcome = search(read, limits)
         outcome = _with_reading(outcome, reading)
         _deliver(_written(outcome, form, to_terminal=output is None), output)
         code = _code(outcome)
@@ -289,6 +302,52 @@ def _read(
     return found
 
 
+# ------------------------------------------------------------------------------------------------ searching
+
+
+def _search(engine: EngineChoice, construction: Construction) -> Callable[[Mission, Limits], Outcome]:
+    """What finds a plan; that a tool is missing is found out at once."""
+    if construction is Construction.published:
+        _say(
+            "mitlplan: warning: the published construction is unsound: what it finds may violate the "
+            "mission, what it misses may satisfy it"
+        )
+        if engine is EngineChoice.zones:
+            # Its model is no network of transducers in lock step, which that engine is made for.
+            engine = EngineChoice.reach
+    match engine:
+        case EngineChoice.zones:
+            from mitlplan.planner import plan
+
+            return lambda mission, limits: plan(
+                mission,
+                construction="seed" if construction is Construction.seed else "compact",
+                time_limit=limits.seconds,
+                memory_limit=limits.megabytes,
+                progress=limits.progress,
+            )
+        case EngineChoice.reach:
+            from mitlplan.search.reach import reach
+
+            return _by(reach, engine, construction)
+        case EngineChoice.uppaal:
+            from functools import partial
+
+            from mitlplan.formats.verifyta import fastest_trace, find_verifyta
+
+            return _by(partial(fastest_trace, verifyta=find_verifyta()), engine, construction)
+
+
+def _by(
+    engine: Engine, choice: EngineChoice, construction: Construction
+) -> Callable[[Mission, Limits], Outcome]:
+    from mitlplan.engine import plan_by
+
+    return lambda mission, limits: plan_by(
+        engine, mission, name=choice.value, construction=construction.value, limits=limits
+    )
+
+
 # ------------------------------------------------------------------------------------------------ answering
 
 
@@ -323,7 +382,7 @@ def _code(outcome: Outcome) -> int:
 
     match outcome:
         case Plan():
-            return FOUND
+            return FOUND if outcome.fault is None else NONE
         case Infeasible():
             return NONE
         case LimitReached():

@@ -73,12 +73,12 @@ def write_tchecker(
 
 
 def _goals(query: Query) -> dict[str, frozenset[str]]:
-    """For each automaton asked for, the locations one of which it must be in, whatever the others are in.
+    """For each automaton that is asked for the locations one of which it must be in.
 
     Raises
     ------
     ToolError
-        If the query says anything else: a state has the labels of all its locations, and no more.
+        If they depend on where others are, or more is asked: a state has the labels of its locations alone.
     """
     asked = {frozenset(target.locations.items()) for target in query.targets}
     goals: dict[str, set[str]] = {}
