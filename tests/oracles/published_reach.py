@@ -70,6 +70,8 @@ class _Runner:
             (0,) * len(self.clock),
             tuple(variable.initial for variable in self.network.variables),
         )
+        if not self.within_invariants(begin):
+            return None
         before: dict[State, tuple[State, int, Move] | None] = {begin: None}
         now, later = deque([begin]), deque[State]()
         for time in range(latest + 1):
@@ -138,9 +140,12 @@ class _Runner:
             age if name in stopped else min(age + 1, self.oldest)
             for name, age in zip(self.clock, state.ages, strict=True)
         )
-        if not all(self.satisfied(location.invariant, ages) for location in located):
-            return None
-        return State(state.locations, ages, state.values)
+        older = State(state.locations, ages, state.values)
+        return older if self.within_invariants(older) else None
+
+    def within_invariants(self, state: State) -> bool:
+        here = zip(self.network.automata, state.locations, strict=True)
+        return all(self.satisfied(each.locations[at].invariant, state.ages) for each, at in here)
 
     def moves(self, state: State) -> Iterator[tuple[Move, State]]:
         committed = [
@@ -199,7 +204,4 @@ class _Runner:
                 if not low <= values[name] <= high:
                     return None
         after = State(tuple(locations), tuple(ages), tuple(values.values()))
-        located = [
-            each.locations[at] for each, at in zip(self.network.automata, after.locations, strict=True)
-        ]
-        return after if all(self.satisfied(location.invariant, after.ages) for location in located) else None
+        return after if self.within_invariants(after) else None
