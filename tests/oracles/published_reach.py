@@ -41,12 +41,12 @@ def reach(
     network: Network, query: Query, *, resolution: int = 1, latest: Fraction = Fraction(100)
 ) -> Reached | None:
     """The fastest way to a target on the grid, or ``None`` if there is none up to `latest`."""
-    runner = _Runner(network, resolution)
+    runner = _Runner(network, query, resolution)
     return runner.search(query, int(latest * resolution))
 
 
 class _Runner:
-    def __init__(self, network: Network, resolution: int) -> None:
+    def __init__(self, network: Network, query: Query, resolution: int) -> None:
         self.network = network
         self.resolution = resolution
         self.clock = {name: index for index, name in enumerate(network.clocks)}
@@ -62,6 +62,7 @@ class _Runner:
         ]
         guards = [location.invariant for each in network.automata for location in each.locations]
         guards += [edge.guard for each in network.automata for edge in each.edges]
+        guards += [target.guard for target in query.targets]
         self.oldest = max((int(each.bound * resolution) for guard in guards for each in guard), default=0) + 1
 
     def search(self, query: Query, latest: int) -> Reached | None:

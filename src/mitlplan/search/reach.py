@@ -98,7 +98,8 @@ def reach(
     query
         The targets; any of them will do.
     limits
-        None by default.
+        None by default. If they stop the search after some trace was found, that is the answer, with what
+        is then proved.
     fastest
         Whether to go on from some trace to the fastest.
     epsilon
@@ -125,8 +126,16 @@ def reach(
     if not fastest or not isinstance(found, Reached) or found.trace.least == 0:
         return found
     better = _Ways(network, query, begun, epsilon, objective=True).best()
-    # Ways may be lost to the second search, which goes through them in another order, but not this one.
-    return found if isinstance(better, Unknown) else better
+    match better:
+        case Unknown():
+            # Ways may be lost to the second search, which comes across others, but not this one.
+            return found
+        case Stopped(_, bound):
+            least = found.trace.least
+            proved = Fraction(0) if bound is None else min(bound, least)
+            return Reached(found.trace, found.target, proved, found.effort)
+        case _:
+            return better
 
 
 class _Ways:
