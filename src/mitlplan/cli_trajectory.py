@@ -8,8 +8,8 @@ turn=arc``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mitlplan.cli_options import BAD_INPUT, LIMIT, NONE, Reported
 from mitlplan.errors import MitlplanError, OutputError, TrajectoryError
 
 if TYPE_CHECKING:
@@ -25,10 +26,6 @@ if TYPE_CHECKING:
     from mitlplan.plan import Plan
     from mitlplan.trajectory import Driving, Robot, Trajectory
     from mitlplan.workspace import Workspace
-
-Reported = Callable[[], AbstractContextManager[None]]
-
-_NONE, _BAD_INPUT, _LIMIT = 1, 2, 3
 
 _ROBOT_KEYS = ("speed", "turn_rate", "acceleration", "turn_acceleration", "radius", "heading")
 _DRIVE_KEYS = (
@@ -250,10 +247,10 @@ def _planned(mission: Path, plan: Path | None) -> tuple[Mission, Plan]:
             return found, outcome
         case Infeasible(reason=reason):
             _say(f"no plan: {reason}")
-            raise typer.Exit(_NONE)
+            raise typer.Exit(NONE)
         case LimitReached(reason=reason):
             _say(f"no plan found: {reason}")
-            raise typer.Exit(_LIMIT)
+            raise typer.Exit(LIMIT)
 
 
 def _driven(mission: Mission, plan: Plan, wishes: _Wishes) -> tuple[Plan, Trajectory]:
@@ -438,4 +435,4 @@ def _reported() -> Iterator[None]:
         yield
     except MitlplanError as error:
         _say(f"mitlplan: {error}")
-        raise typer.Exit(_BAD_INPUT) from None
+        raise typer.Exit(BAD_INPUT) from None
