@@ -37,7 +37,19 @@ def test_a_trajectory_shows_cells_regions_times_and_controls(plan: Plan) -> None
     written = texts(drawn)
     assert {"A", "B", "r0c0", "r1c1", "a mission", "speed u  [m/s]", "turn rate w  [rad/s]"} <= written
     assert {"0", "0.5", "1", "1.5"} <= written
-    assert len(drawn.controls) == 2
+    assert [axis.get_ylabel() for axis in drawn.controls][2] == "cell"
+    assert len(drawn.controls) == 3
+
+
+def test_the_strip_of_cells_is_the_plan_over_time() -> None:
+    """A patch a stay, from its entry to its end, named where there is room."""
+    trajectory = follow(PHI1, SQUARE)
+    strip = picture(SQUARE, PHI1, trajectory).controls[2]
+    begins = [float(visit.enter) for visit in trajectory.visits]
+    assert [patch.get_x() for patch in strip.patches] == pytest.approx(begins)
+    ends = [patch.get_x() + patch.get_width() for patch in strip.patches]
+    assert ends == pytest.approx([*begins[1:], float(trajectory.end)])
+    assert [text.get_text() for text in strip.texts] == ["r0c0", "r0c1\nB", "r0c0", "r1c0\nA"]
 
 
 def test_a_plan_shows_when_each_cell_is_entered() -> None:
@@ -47,7 +59,7 @@ def test_a_plan_shows_when_each_cell_is_entered() -> None:
 
 def test_the_controls_are_those_of_the_trajectory() -> None:
     trajectory = follow(PHI1, SQUARE)
-    speed, turn_rate = picture(SQUARE, None, trajectory).controls
+    speed, turn_rate, _ = picture(SQUARE, None, trajectory).controls
     for axis, samples in (
         (speed, trajectory.sample(Fraction(1, 100)).course.u),
         (turn_rate, trajectory.sample(Fraction(1, 100)).course.w),
