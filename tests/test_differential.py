@@ -12,9 +12,10 @@ from hypothesis import given, settings
 from mitlplan.mission import read
 from mitlplan.plan import Outcome
 from mitlplan.planner import plan
-from tests.comparison import disagreements, mission_of, oracle
-from tests.mission_strategies import SmallMission, missions, random_mission
-from tests.oracles.tick_planner import Least
+from mitlplan_fuzz.comparison import disagreements, mission_of, oracle
+from mitlplan_fuzz.missions import SmallMission, random_mission
+from mitlplan_fuzz.oracles.tick_planner import Least
+from tests.mission_strategies import missions
 
 MISSIONS = 10_000
 CHUNK = 125
