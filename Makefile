@@ -15,7 +15,7 @@ compile = mkdir -p $(1) && { $(BIN)/cmake -S . -B $(1) -G Ninja -DCMAKE_MAKE_PRO
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help build demo test lint types imports unit sanitize sanitize-all fuzz fuzz-readers bench native clean
+.PHONY: help build demo test lint types imports unit sanitize sanitize-all fuzz fuzz-readers bench paper native clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' Makefile
@@ -118,6 +118,9 @@ $(STAMPS)/bench: $(STAMPS)/build benchmarks/requirements.txt
 
 bench: $(STAMPS)/bench ## measure beside the peers, and write docs/performance.md
 	@$(BIN)/python -m benchmarks.performance
+
+paper: $(STAMPS)/dev ## the paper's Table I and the faults of its construction again, into docs/paper.md (minutes)
+	@$(BIN)/python -m benchmarks.paper_table
 
 native: $(STAMPS)/dev ## compile the native half only, incrementally
 	@$(call compile,build/native,-DMITLPLAN_IN_SOURCE=ON)

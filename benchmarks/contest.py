@@ -18,6 +18,7 @@ from statistics import median
 from benchmarks.families import Expected, Instance
 from benchmarks.peers import Answer, Peer
 from benchmarks.product import TooLargeError
+from benchmarks.satisfiability import GivenUpError
 from mitlplan.mission import Mission
 from mitlplan.plan import Infeasible, LimitReached, Plan
 from mitlplan.planner import plan
@@ -27,10 +28,6 @@ OURS = "mitlplan"
 
 class WrongAnswerError(Exception):
     """Two contestants disagree, or one of them with theory."""
-
-
-class GivenUpError(Exception):
-    """A contestant met a limit; the text says which."""
 
 
 @dataclass

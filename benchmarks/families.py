@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order
 
-from benchmarks.peers import Peer, Visits, on_distances, on_product, subset_programming
+from benchmarks.peers import Peer, Visits, on_distances, on_product, on_walks, subset_programming
 from benchmarks.product import (
     Finish,
     Product,
@@ -30,6 +30,7 @@ from benchmarks.product import (
     windows_by_counting,
     windows_by_parity,
 )
+from benchmarks.satisfiability import NotBefore, Respond, See
 from mitlplan.mission import Mission, mission_for, read
 from mitlplan.workspace import Box, Workspace, grid
 from mitlplan.workspace.grid import on_terrain
@@ -171,23 +172,26 @@ def paper(name: str, size: int) -> Instance:
     label = f"n = {size}"
     match name:
         case "phi1":
-            peers = by_hand(workspace, 0, ordered())
+            walks = on_walks(workspace, 0, NotBefore("B", "A"), See("A"))
+            peers = (*by_hand(workspace, 0, ordered()), *walks)
             return Instance(name, label, on(workspace, 0, "!A U B", "F A"), expected, peers)
         case "phi2":
             # A is n-1 away, and from then on every second move ends there.
             one = on(workspace, 0, f"G F[0,{max(2, size)}] A")
             return Instance(name, label, one, "unknown")
         case "phi3":
-            peers = by_hand(workspace, 0, visit("A", "B", within=whole))
+            walks = on_walks(workspace, 0, See("A", last=whole), See("B", last=whole))
+            peers = (*by_hand(workspace, 0, visit("A", "B", within=whole)), *walks)
             one = on(workspace, 0, f"F[0,{whole}] A", f"F[0,{whole}] B")
             return Instance(name, label, one, expected, peers)
         case "phi4" | "phi4, peers count":
             one = on(workspace, 0, f"F[{half},{whole}] A", f"F[0,{half}] B")
             if name == "phi4":
-                made = windows_by_parity("A", (half, whole), "B")
+                walks = on_walks(workspace, 0, See("A", half, whole), See("B", last=half))
+                peers = (*by_hand(workspace, 0, windows_by_parity("A", (half, whole), "B")), *walks)
             else:
-                made = windows_by_counting("A", (half, whole), "B", half)
-            return Instance(name, label, one, expected, by_hand(workspace, 0, made))
+                peers = by_hand(workspace, 0, windows_by_counting("A", (half, whole), "B", half))
+            return Instance(name, label, one, expected, peers)
     raise ValueError(name)
 
 
@@ -249,12 +253,13 @@ def responses(count: int, size: int) -> Instance:
     within = 2 * size
     spec = ["F goal", *(f"G ({asked} -> F[0,{within}] {answered})" for asked, answered in pairs)]
     one = on(workspace, 0, *spec, horizon="finite")
+    required = (See("goal"), *(Respond(asked, answered, within) for asked, answered in pairs))
     return Instance(
         f"responses, {count}",
         f"n = {size}",
         one,
         "unknown",
-        by_hand(workspace, 0, respond(pairs, within, "goal")),
+        (*by_hand(workspace, 0, respond(pairs, within, "goal")), *on_walks(workspace, 0, *required)),
     )
 
 

@@ -3,7 +3,8 @@
 On a hand-made product: Dijkstra's algorithm of scipy and of rustworkx, and, since a move is always 1 there,
 scipy's breadth-first search, which is the faster tool for that. For missions that only visit goals, the
 distances between the goals say everything: dynamic programming over the sets of visited goals (Held, Karp
-1962), and a walk through them for OR-tools CP-SAT and for HiGHS. A peer prepares and then solves; the two
+1962), and a walk through them for OR-tools CP-SAT, HiGHS, python-sat and Z3. The last two also seek the walk
+itself, cell by cell, where the distances do not say everything. A peer prepares and then solves; the two
 are timed apart, because a product could be kept from mission to mission. What is not installed is left out.
 """
 
@@ -21,6 +22,15 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, dijkstra
 
 from benchmarks.product import Product, TooLargeError
+from benchmarks.satisfiability import (
+    Z3,
+    PythonSat,
+    Requirement,
+    Solver,
+    least_walk,
+    visits_by_sat,
+    visits_by_z3,
+)
 from mitlplan.workspace import Workspace
 
 Answer: TypeAlias = "Fraction | None"
@@ -185,6 +195,33 @@ def on_distances(visits: Visits) -> tuple[Peer, ...]:
         peers.append(
             Peer("CP-SAT", lambda: lambda: visits.answer(_cp_sat(visits.distances(), visits.within)))
         )
+    if find_spec("pysat") is not None:
+        peers.append(
+            Peer(
+                "python-sat", lambda: lambda: visits.answer(visits_by_sat(visits.distances(), visits.within))
+            )
+        )
+    if find_spec("z3") is not None:
+        peers.append(
+            Peer("Z3", lambda: lambda: visits.answer(visits_by_z3(visits.distances(), visits.within)))
+        )
+    return tuple(peers)
+
+
+def on_walks(workspace: Workspace, start: int, *requirements: Requirement) -> tuple[Peer, ...]:
+    """The peers that seek the walk itself, cell by cell; all moves take equally long, and there is a walk."""
+
+    def peer(name: str, make: Callable[[], Solver]) -> Peer:
+        def solve() -> Answer:
+            return least_walk(workspace, start, requirements, make()) * workspace.least_time(0)
+
+        return Peer(name, lambda: solve)
+
+    peers = []
+    if find_spec("pysat") is not None:
+        peers.append(peer("python-sat", PythonSat))
+    if find_spec("z3") is not None:
+        peers.append(peer("Z3", Z3))
     return tuple(peers)
 
 

@@ -27,6 +27,7 @@ from benchmarks.families import (
     slow_warehouse,
     terrain_of,
 )
+from benchmarks.memory import measured
 from benchmarks.report import Section, ratio, write
 from mitlplan.mission import read
 from mitlplan.plan import Plan
@@ -114,7 +115,16 @@ def main(arguments: list[str]) -> None:
     if "examples" in (chosen.family or FAMILIES):
         plain = read(EXAMPLES / "warehouse.yaml")
         facts["slower"] = ratio(ratio_in_turns(slow_warehouse().mission, plain, rounds=2 * chosen.rounds))
-    write(chosen.output, sections, command=command, rounds=chosen.rounds, load=load, facts=facts)
+    memory = [] if chosen.family else list(measured())
+    write(
+        chosen.output,
+        sections,
+        command=command,
+        rounds=chosen.rounds,
+        load=load,
+        facts=facts,
+        memory=memory,
+    )
     print(f"written: {chosen.output}")
 
 

@@ -15,9 +15,10 @@ from statistics import median
 
 from benchmarks.contest import Row, Times
 from benchmarks.families import ROOT
+from benchmarks.memory import Memory
 
 STAGES = ("translate", "search", "loops", "check", "conflict")
-LIBRARIES = ("numpy", "scipy", "rustworkx", "ortools")
+LIBRARIES = ("numpy", "scipy", "rustworkx", "ortools", "python-sat", "z3-solver")
 
 INTRODUCTION = """\
 # Performance
@@ -85,6 +86,27 @@ map each. Maps of 1024 x 1024 are tiles of smaller ones.""",
 }
 
 
+MEMORY = """\
+## Memory
+
+Each mission in a process of its own: the most memory it held (resident set) with Python, the libraries and
+the map loaded, and when the plan was made. What the search keeps for its states (zones, steps, queue, hash
+table, as it counts them for `--memory-limit`) is that of its last moment, with the room it has reserved, so
+that few states seem large.
+
+"""
+
+
+def memory_table(memory: Sequence[tuple[str, Memory]]) -> Iterator[str]:
+    """A table of Markdown."""
+    yield "| mission | before, MB | peak, MB | states | bytes a state |"
+    yield "| --- | ---: | ---: | ---: | ---: |"
+    for name, one in memory:
+        each = f"{one.stored / one.states:.0f}" if one.states else ""
+        states = grouped(one.states) if one.states else ""
+        yield f"| {name} | {one.before / 1e6:.0f} | {one.peak / 1e6:.0f} | {states} | {each} |"
+
+
 def write(
     file: Path,
     sections: Sequence[Section],
@@ -93,6 +115,7 @@ def write(
     rounds: int,
     load: Sequence[float],
     facts: Mapping[str, str],
+    memory: Sequence[tuple[str, Memory]] = (),
 ) -> None:
     """Writes the page; `facts` are what the explanations of the sections leave open."""
     parts = [
@@ -109,6 +132,8 @@ def write(
         text = EXPLANATIONS[section.family].format(**facts)
         parts.append(f"## {section.title}\n\n{text}\n\n" + "\n".join(table(section.rows)) + "\n")
         parts.append("\n".join(remarks(section)) + "\n")
+    if memory:
+        parts.append(MEMORY + "\n".join(memory_table(memory)) + "\n")
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text("\n".join(parts), encoding="utf-8")
 

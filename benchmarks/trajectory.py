@@ -26,7 +26,7 @@ from mitlplan.formats.trajectory_csv import trajectory_to_csv
 from mitlplan.mission import read
 from mitlplan.plan import Plan, Step
 from mitlplan.planner import plan
-from mitlplan.trajectory import Motion, Profile, Robot, Style, Weights, follow, straight, turn_left, u_turn
+from mitlplan.trajectory import Profile, Robot, Style, Weights, follow, turn_left
 from mitlplan.trajectory.boundary import connect, connect_forward
 from mitlplan.trajectory.passage import choose, passage
 from mitlplan.trajectory.pose import Pose
@@ -38,32 +38,21 @@ ROOT = Path(__file__).parent.parent
 MAPS = ROOT / "examples" / "maps"
 PAGES = ROOT / "docs" / "trajectory"
 EQUAL = Weights()
-TURN, BACK = math.pi / 2, math.pi
+BACK = math.pi
 
 
 def motions() -> None:
     """The elementary motions of the unit cell in one second, beside collocation."""
-    from tests.trajectory.oracles import collocated
+    from tests.trajectory.elementary import ELEMENTARY
 
-    def row(name: str, motion: Motion | None, found: float | None) -> None:
-        assert motion is not None
-        beside = "" if found is None else f"{found:14.9f} {motion.cost - found:+9.1e}"
-        print(f"{name:28} {motion.cost:14.9f} {beside}")
-
-    print(f"{'motion':28} {'cost':>14} {'collocation':>14} {'gap':>9}")
-    row("forward", straight(1.0, EQUAL), collocated([(1.0, 0.0, 0.0)]))
-    row("half forward (start, stop)", straight(0.5, EQUAL), collocated([(0.5, 0.0, 0.0)]))
-    row("quarter turn", turn_left(0.5, 0.5, EQUAL), collocated([(0.5, 0.5, TURN)]))
-    row("quarter turn, arc", turn_left(0.5, 0.5, EQUAL, Style.ARC), None)
-    row("quarter turn, spot", turn_left(0.5, 0.5, EQUAL, Style.SPOT), None)
-    half = collocated([(0.5, 0.0, None), (0.5, 0.0, TURN)], forward=True, elements=40)
-    row("U-turn, three-point", u_turn(0.5, EQUAL), collocated([(0.5, None, None), (0.0, 0.0, BACK)]))
-    row("U-turn, forward-only", u_turn(0.5, EQUAL, Style.FORWARD_ONLY), 4 * half)
-    row("U-turn, spot", u_turn(0.5, EQUAL, Style.SPOT), None)
+    print(f"{'motion':42} {'cost':>14} {'collocation':>14} {'gap':>9}")
+    for one in ELEMENTARY:
+        found = one.collocated()
+        print(f"{one.name:42} {one.cost:14.9f} {found:14.9f} {one.cost - found:+9.0e}")
     quarter = turn_left(0.5, 0.5, EQUAL)
     assert quarter is not None
     for profile in (Profile.CUBIC, Profile.QUINTIC):
-        row(f"quarter turn, {profile.name.lower()}", quarter.smoothed(profile), None)
+        print(f"quarter turn, {profile.name.lower() + ' profile':28} {quarter.smoothed(profile).cost:14.9f}")
 
 
 def rectangles() -> None:
@@ -90,6 +79,8 @@ def u_turns() -> None:
     cell = Rectangle(0.0, 0.0, 1.0, 1.0)
     entry, leave = Door(-0.5, 0.0, 0.0, 1.0), Door(-0.5, 0.0, BACK, 1.0)
     way = passage(cell, Pose(-0.5, 0.0, 0.0), Pose(-0.5, 0.0, BACK), (entry, leave))
+    from tests.trajectory.elementary import through_the_centre
+
     print(f"{'U-turn':14} {'cost':>11} {'clearance':>10} {'speed':>8} {'turn rate':>10}")
     for style in (Style.THREE_POINT, Style.FORWARD_ONLY, Style.SPOT):
         choice = choose(way, style, EQUAL, Profile.EVEN)
@@ -98,6 +89,7 @@ def u_turns() -> None:
             f"{style.value:14} {choice.motion.cost:11.7f} {choice.clearance:10.5f} "
             f"{choice.speed:8.4f} {choice.turn_rate:10.4f}"
         )
+    print(f"three points, through the centre itself, by collocation: {through_the_centre():.7f}")
 
 
 def times() -> None:

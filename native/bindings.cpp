@@ -7,5 +7,6 @@ NB_MODULE(_core, m) {
     m.doc() = "Native half of mitlplan: zones, and the search over them. Times are ticks (integers).";
     mitlplan::bind_zone(m);
     mitlplan::bind_search(m);
+    mitlplan::bind_reachability(m);
     mitlplan::bind_schedule(m);
 }

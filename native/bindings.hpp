@@ -7,6 +7,7 @@ namespace mitlplan {
 
 void bind_zone(nanobind::module_& m);
 void bind_search(nanobind::module_& m);
+void bind_reachability(nanobind::module_& m);
 void bind_schedule(nanobind::module_& m);
 
 }  // namespace mitlplan

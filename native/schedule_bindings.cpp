@@ -1,19 +1,16 @@
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include "bindings.hpp"
+#include "columns.hpp"
+#include "path.hpp"
 #include "schedule.hpp"
-
-namespace nb = nanobind;
 
 namespace mitlplan {
 
 namespace {
-
-template <typename Entry>
-using Column = nb::ndarray<const Entry, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 std::vector<Difference> read_differences(std::int32_t steps, const Column<std::int32_t>& from,
                                          const Column<std::int32_t>& to, const Column<Ticks>& weight,
@@ -35,6 +32,43 @@ std::vector<Difference> read_differences(std::int32_t steps, const Column<std::i
 }  // namespace
 
 void bind_schedule(nb::module_& module) {
+    module.def(
+        "differences",
+        [](const NamedTables& tables, const Column<Index>& steps, const std::string& last) {
+            const PathTables columns{
+                .clocks = number(tables, "clocks"),
+                .components = view<Index>(tables, "component_start").size() - 1,
+                .guard_start = view<Index>(tables, "guard_start"),
+                .guard_clock = view<Index>(tables, "guard_clock"),
+                .guard_upper = view<std::uint8_t>(tables, "guard_upper"),
+                .guard_strict = view<std::uint8_t>(tables, "guard_strict"),
+                .guard_value = view<Ticks>(tables, "guard_value"),
+                .reset_start = view<Index>(tables, "reset_start"),
+                .reset_clock = view<Index>(tables, "reset_clock"),
+                .move_target = view<Index>(tables, "move_target"),
+                .move_guard = view<Index>(tables, "move_guard"),
+                .move_resets = view<Index>(tables, "move_resets"),
+                .last_guard = view<Index>(tables, (last + "_guard").c_str()),
+                .location_invariant = view<Index>(tables, "location_invariant"),
+                .location_still = view<Index>(tables, "location_still"),
+            };
+            const auto found = differences(columns, {steps.data(), steps.shape(0)});
+            std::vector<Index> from;
+            std::vector<Index> to;
+            std::vector<Ticks> weight;
+            std::vector<std::uint8_t> strict;
+            for (const Difference& one : found) {
+                from.push_back(one.from);
+                to.push_back(one.to);
+                weight.push_back(one.weight);
+                strict.push_back(one.strict);
+            }
+            return std::tuple(to_array(std::move(from)), to_array(std::move(to)), to_array(std::move(weight)),
+                              to_array(std::move(strict)));
+        },
+        nb::arg("tables"), nb::arg("steps"), nb::arg("last"),
+        "What guards and invariants ask of the times of the steps of a path, a row of edges each, the last one of the "
+        "kind `last`: sources, targets, weights and strictness, as `earliest_times` takes them.");
     module.def(
         "earliest_times",
         [](std::int32_t steps, const Column<std::int32_t>& from, const Column<std::int32_t>& to,

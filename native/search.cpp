@@ -1,46 +1,21 @@
 #include "search.hpp"
 
-
 namespace mitlplan {
 
 namespace {
 
-constexpr std::size_t block_size = std::size_t{1} << 16;
 constexpr int expansions_between_looks_at_the_clock = 16;
-constexpr std::size_t steps_between_looks_at_the_clock = 1024;
-constexpr std::chrono::milliseconds between_polls{50};
-
-/// Thrown when there is no time left.
-struct OutOfTime {};
-
-std::size_t hash_of(std::span<const Index> locations) noexcept {
-    std::uint64_t mixed = 0x9E3779B97F4A7C15u;
-    for (const Index location : locations) {
-        mixed ^= static_cast<std::uint64_t>(static_cast<std::uint32_t>(location));
-        mixed *= 0xFF51AFD7ED558CCDu;
-        mixed ^= mixed >> 33;
-    }
-    return static_cast<std::size_t>(mixed);
-}
 
 }  // namespace
 
-Bound* Search::Arena::allocate(std::size_t count) {
-    if (count > free_) {
-        const std::size_t size = std::max(block_size, count);
-        blocks_.push_back(std::make_unique_for_overwrite<Bound[]>(size));
-        bytes_ += size * sizeof(Bound);
-        free_ = size;
-        used_ = 0;
-    }
-    Bound* const result = blocks_.back().get() + used_;
-    used_ += count;
-    free_ -= count;
-    return result;
-}
-
 Search::Search(Tables tables, const Options& options)
-    : tables_((tables.validate(), std::move(tables))), options_(options), successors_(tables_), tours_(tables_), table_(1024, 0) {
+    : tables_((tables.validate(), std::move(tables))),
+      options_(options),
+      successors_(tables_),
+      tours_(tables_),
+      rows_(static_cast<std::size_t>(tables_.components())),
+      active_(tables_.bounds, tables_.clocks, tables_.time_clock, static_cast<std::size_t>(tables_.components())),
+      bounds_(static_cast<std::size_t>(tables_.components())) {
     const auto driver_locations = static_cast<std::size_t>(tables_.driver_locations());
     // Worth its price where components choose when to act, which makes states differ that need not.
     relief_ = !options_.record && std::ranges::any_of(tables_.locations, [](const Location& location) {
@@ -57,8 +32,7 @@ Search::Search(Tables tables, const Options& options)
 
 std::size_t Search::bytes() const noexcept {
     return arena_.bytes() + nodes_.capacity() * sizeof(Node) + steps_.capacity() * sizeof(Index) +
-           states_.capacity() * sizeof(State) + state_locations_.capacity() * sizeof(Index) +
-           table_.capacity() * sizeof(Index) + waiting_.size() * sizeof(Waiting) +
+           states_.capacity() * sizeof(State) + rows_.bytes() + waiting_.size() * sizeof(Waiting) +
            recorded_.capacity() * sizeof(RecordedStep) + recorded_edges_.capacity() * sizeof(Index);
 }
 
@@ -69,7 +43,7 @@ void Search::start() {
         initial[component] = tables_.component_start[component];
     initial[0] = tables_.driver_locations() - 1;
     const Index state = find_state(initial);
-    const auto& clocks = active_[static_cast<std::size_t>(states_[static_cast<std::size_t>(state)].active)];
+    const auto& clocks = active_[states_[static_cast<std::size_t>(state)].active];
     settled_.resize(dbm::size(clocks.dimension()));
     dbm::set_zero(settled_);
     JointStep nothing;
@@ -78,38 +52,12 @@ void Search::start() {
     store(none, nothing, state, clocks, 0, {0, 0});
 }
 
-Index Search::find_active(std::span<const Index> locations) {
-    key_.clear();
-    for (const Index location : locations) {
-        const Index bounds = tables_.locations[static_cast<std::size_t>(location)].bounds;
-        key_.append(reinterpret_cast<const char*>(&bounds), sizeof bounds);
-    }
-    const auto [found, inserted] = active_index_.try_emplace(key_, static_cast<Index>(active_.size()));
-    if (inserted) {
-        successors_.active(locations, scratch_);
-        active_.push_back(scratch_);
-    }
-    return found->second;
-}
-
 Index Search::find_state(std::span<const Index> wanted) {
-    std::size_t mask = table_.size() - 1;
-    std::size_t slot = hash_of(wanted) & mask;
-    for (; table_[slot] != 0; slot = (slot + 1) & mask)
-        if (std::ranges::equal(locations(table_[slot] - 1), wanted)) return table_[slot] - 1;
-    const auto state = static_cast<Index>(states_.size());
-    states_.push_back({find_active(wanted), none});
-    state_locations_.insert(state_locations_.end(), wanted.begin(), wanted.end());
-    table_[slot] = state + 1;
-    if (states_.size() * 2 > table_.size()) {
-        std::vector<Index> larger(table_.size() * 4, 0);
-        mask = larger.size() - 1;
-        for (Index index = 0; index <= state; ++index) {
-            slot = hash_of(locations(index)) & mask;
-            while (larger[slot] != 0) slot = (slot + 1) & mask;
-            larger[slot] = index + 1;
-        }
-        table_ = std::move(larger);
+    const auto [state, fresh] = rows_.insert(wanted);
+    if (fresh) {
+        for (std::size_t component = 0; component < wanted.size(); ++component)
+            bounds_[component] = tables_.locations[static_cast<std::size_t>(wanted[component])].bounds;
+        states_.push_back({active_.find(bounds_), none});
     }
     return state;
 }
@@ -186,7 +134,7 @@ bool Search::relieved(Index state, const ActiveClocks& clocks, Index moves) {
     const int dimension = clocks.dimension();
     const std::uint64_t owed = owing(state);
     const auto covers = [&](const State& easier) {
-        const ActiveClocks& fewer = active_[static_cast<std::size_t>(easier.active)];
+        const ActiveClocks& fewer = active_[easier.active];
         positions_.clear();
         for (const int clock : fewer.clocks) positions_.push_back(clock == 0 ? 0 : clocks.position(clock));
         if (std::ranges::find(positions_, static_cast<int>(none)) != positions_.end()) return false;
@@ -274,15 +222,12 @@ void Search::reach_goal(NodeId parent, const ActiveClocks& clocks, std::span<con
 
 void Search::take(NodeId parent, const ActiveClocks& clocks, std::span<const Bound> zone, StepKind kind,
                   const JointStep& step, bool silent) {
-    if (++steps_tried_ % steps_between_looks_at_the_clock == 0) look_up();
+    watch_.look_up();
     const Index moves = nodes_[static_cast<std::size_t>(parent)].moves + (silent ? 0 : 1);
     if (kind != StepKind::move) return reach_goal(parent, clocks, zone, kind, step, moves);
     const Index state = find_state(step.targets);
-    const ActiveClocks& after = active_[static_cast<std::size_t>(states_[static_cast<std::size_t>(state)].active)];
-    // `clocks` may have moved with the vector that `find_state` lets grow.
-    const ActiveClocks& before = active_[static_cast<std::size_t>(
-        states_[static_cast<std::size_t>(nodes_[static_cast<std::size_t>(parent)].state)].active)];
-    successors_.settle(zone, before, step, after, settled_);
+    const ActiveClocks& after = active_[states_[static_cast<std::size_t>(state)].active];
+    successors_.settle(zone, clocks, step, after, settled_);
     if (!successors_.elapse(settled_, after, step.targets)) return;
     const Estimate estimated = estimate(settled_, after, step.targets, moves);
     if (estimated.time > options_.horizon) return;
@@ -293,7 +238,7 @@ void Search::take(NodeId parent, const ActiveClocks& clocks, std::span<const Bou
 void Search::expand(NodeId id) {
     const Node node = nodes_[static_cast<std::size_t>(id)];
     const std::vector<Index> at(locations(node.state).begin(), locations(node.state).end());
-    const ActiveClocks clocks = active_[static_cast<std::size_t>(states_[static_cast<std::size_t>(node.state)].active)];
+    const ActiveClocks& clocks = active_[states_[static_cast<std::size_t>(node.state)].active];
     const std::span<const Bound> zone = zone_of(node);
     const bool initial = node.parent == none;
     const bool goals = tables_.time_clock != none;
@@ -308,7 +253,7 @@ void Search::expand(NodeId id) {
     for (Index edge = first; edge < last; ++edge) {
         driven_.assign(zone.begin(), zone.end());
         const Edge& move = successors_.driver_move(edge);
-        if (!successors_.constrain(driven_, clocks, move.guard)) continue;
+        if (!constrain(driven_, clocks, tables_.guards[move.guard])) continue;
         enumerate(StepKind::move, edge, driven_);
         if (goals && options_.endings) enumerate(StepKind::ending, edge, driven_);
         if (goals && options_.parkings && tables_.parkable[static_cast<std::size_t>(move.target)] != 0)
@@ -319,7 +264,8 @@ void Search::expand(NodeId id) {
     if (!restless && !(goals && options_.endings)) return;
     // At the end of its longest stay the driver is no longer there.
     driven_.assign(zone.begin(), zone.end());
-    if (!successors_.constrain(driven_, clocks, tables_.locations[static_cast<std::size_t>(at[0])].still)) return;
+    const Index still = tables_.locations[static_cast<std::size_t>(at[0])].still;
+    if (!constrain(driven_, clocks, tables_.guards[still])) return;
     if (restless) enumerate(StepKind::move, stands_still, driven_);
     if (goals && options_.endings) enumerate(StepKind::ending, stands_still, driven_);
 }
@@ -337,19 +283,8 @@ Ticks Search::lower_bound() const noexcept {
     return goal_.parent == none ? bound : std::min(bound, goal_.time);
 }
 
-void Search::look_up() {
-    const auto now = std::chrono::steady_clock::now();
-    if (now - run_began_ > limit_) throw OutOfTime{};
-    if (!poll_ || now - polled_ < between_polls) return;
-    polled_ = now;
-    poll_();
-}
-
-Status Search::run(std::chrono::duration<double> budget, std::chrono::duration<double> limit,
-                   std::function<void()> poll) {
-    run_began_ = polled_ = std::chrono::steady_clock::now();
-    limit_ = limit;
-    poll_ = std::move(poll);
+Status Search::run(Seconds budget, Seconds limit, std::function<void()> poll) {
+    watch_.begin(limit, std::move(poll));
     while (true) {
         for (int count = 0; count < expansions_between_looks_at_the_clock; ++count) {
             if (finished()) return goal_.parent == none ? Status::exhausted : Status::found;
@@ -368,7 +303,7 @@ Status Search::run(std::chrono::duration<double> budget, std::chrono::duration<d
             }
         }
         if (bytes() > options_.memory) return Status::out_of_memory;
-        if (std::chrono::steady_clock::now() - run_began_ > budget) return Status::running;
+        if (watch_.over(budget)) return Status::running;
     }
 }
 

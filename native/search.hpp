@@ -8,20 +8,16 @@
 // With `record`, states are told apart exactly and every step is kept: the graph in which loops are sought.
 #pragma once
 
-#include <chrono>
-#include <functional>
-#include <memory>
 #include <queue>
 #include <unordered_map>
 
 #include "successors.hpp"
 #include "tours.hpp"
+#include "watch.hpp"
 
 namespace mitlplan {
 
 using NodeId = std::int32_t;
-
-enum class Status : int { running = 0, found = 1, exhausted = 2, out_of_memory = 3, past_horizon = 4 };
 
 struct Options {
     bool record = false;  // keep every step, and compare zones by equality
@@ -55,9 +51,7 @@ public:
 
     /// Searches for about this long, at most up to the limit; `running` means: call again. Some states have so many
     /// successors that `poll` is called in their midst; it may throw, and what was cut short is begun again.
-    Status run(std::chrono::duration<double> budget,
-               std::chrono::duration<double> limit = std::chrono::duration<double>::max(),
-               std::function<void()> poll = nullptr);
+    Status run(Seconds budget, Seconds limit = Seconds::max(), std::function<void()> poll = nullptr);
 
     /// A lower bound on the time of every goal not yet found.
     Ticks lower_bound() const noexcept;
@@ -120,32 +114,14 @@ private:
         friend auto operator<=>(const Waiting&, const Waiting&) = default;
     };
 
-    /// Memory that is handed out piece by piece and never moves.
-    class Arena {
-    public:
-        Bound* allocate(std::size_t count);
-        std::size_t bytes() const noexcept { return bytes_; }
-
-    private:
-        std::vector<std::unique_ptr<Bound[]>> blocks_;
-        std::size_t free_ = 0;
-        std::size_t used_ = 0;
-        std::size_t bytes_ = 0;
-    };
-
-    std::span<const Index> locations(Index state) const noexcept {
-        const auto width = static_cast<std::size_t>(tables_.components());
-        return std::span(state_locations_).subspan(static_cast<std::size_t>(state) * width, width);
-    }
+    std::span<const Index> locations(Index state) const noexcept { return rows_[state]; }
     std::span<const Bound> zone_of(const Node& node) const noexcept {
         const auto& state = states_[static_cast<std::size_t>(node.state)];
-        return {node.zone, dbm::size(active_[static_cast<std::size_t>(state.active)].dimension())};
+        return {node.zone, dbm::size(active_[state.active].dimension())};
     }
 
     void start();
     void expand(NodeId node);
-    /// Once in a while: is there time left, and does anybody want to interrupt?
-    void look_up();
     void take(NodeId parent, const ActiveClocks& clocks, std::span<const Bound> zone, StepKind kind,
               const JointStep& step, bool silent);
     void reach_goal(NodeId parent, const ActiveClocks& clocks, std::span<const Bound> zone, StepKind kind,
@@ -160,7 +136,6 @@ private:
     /// Whether the settled zone lies in one stored for a state that owes less.
     bool relieved(Index state, const ActiveClocks& clocks, Index moves);
     Index find_state(std::span<const Index> locations);
-    Index find_active(std::span<const Index> locations);
     /// Lower bounds on a goal beyond this zone; the time is `Tours::unreachable` if there is none.
     Estimate estimate(std::span<const Bound> zone, const ActiveClocks& clocks, std::span<const Index> locations,
                       Index moves);
@@ -174,12 +149,10 @@ private:
     std::vector<Node> nodes_;
     std::vector<Index> steps_;  // the joint step that led to each node
     std::vector<State> states_;
-    std::vector<Index> state_locations_;
     std::vector<std::vector<Debtors>> debtors_;  // by location of the driver
     bool relief_ = false;  // whether states are compared with those that owe less
-    std::vector<Index> table_;  // open addressing: state + 1
-    std::vector<ActiveClocks> active_;
-    std::unordered_map<std::string, Index> active_index_;
+    RowSet rows_;  // the locations of each state
+    ActiveSets active_;
     std::priority_queue<Waiting, std::vector<Waiting>, std::greater<>> waiting_;
     Arena arena_;
     std::unordered_multimap<std::size_t, NodeId> by_zone_;  // the recorded states, by locations and zone
@@ -187,16 +160,11 @@ private:
     std::vector<RecordedStep> recorded_;
     std::vector<Index> recorded_edges_;
     std::size_t visited_ = 0;
-    std::size_t steps_tried_ = 0;
-    std::chrono::steady_clock::time_point run_began_;
-    std::chrono::steady_clock::time_point polled_;
-    std::chrono::duration<double> limit_{};
-    std::function<void()> poll_;
+    Watch watch_;
     // Room for the work at hand, kept to avoid allocating in the loop.
     std::vector<Bound> driven_;
     std::vector<Bound> settled_;
-    std::string key_;
-    ActiveClocks scratch_;
+    std::vector<Index> bounds_;
     std::vector<int> positions_;
 };
 

@@ -1,100 +1,29 @@
 // The search as Python sees it: a dictionary of integer arrays in, integer arrays out. The arrays are copied and
 // validated once; `run` works for a while with the interpreter's lock released and comes back, so that Ctrl-C, progress
 // and time limits stay with Python.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/pair.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
 
 #include "bindings.hpp"
+#include "columns.hpp"
+#include "distances.hpp"
 #include "search.hpp"
-
-namespace nb = nanobind;
 
 namespace mitlplan {
 
 namespace {
 
-template <typename Entry>
-using Column = nb::ndarray<const Entry, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-
-// By name: integers, and arrays of them.
-using NamedTables = nb::typed<nb::dict, nb::str, nb::object>;
-
-template <typename Entry>
-std::vector<Entry> column(const nb::dict& tables, const char* name) {
-    if (!tables.contains(name)) throw nb::value_error((std::string("the tables lack ") + name).c_str());
-    try {
-        const auto array = nb::cast<Column<Entry>>(tables[name]);
-        return {array.data(), array.data() + array.shape(0)};
-    } catch (const nb::cast_error&) {
-        throw nb::value_error((std::string("the wrong type of array: ") + name).c_str());
-    }
-}
-
-Index number(const nb::dict& tables, const char* name) {
-    if (!tables.contains(name)) throw nb::value_error((std::string("the tables lack ") + name).c_str());
-    try {
-        return nb::cast<Index>(tables[name]);
-    } catch (const nb::cast_error&) {
-        throw nb::value_error((std::string("not a small integer: ") + name).c_str());
-    }
-}
-
-template <typename Entry>
-Rows<Entry> rows(std::vector<Index> start, std::vector<Entry> entries) {
-    detail::demand(detail::rises(start, start.empty() ? 0 : start.size() - 1, entries.size()), "rows");
-    return {std::move(start), std::move(entries)};
-}
-
-Ticks checked(Ticks ticks) {
-    if (ticks <= -tick_limit || ticks >= tick_limit) detail::throw_overflow();
-    return ticks;
-}
-
-void same_length(std::size_t a, std::size_t b) { detail::demand(a == b, "columns of different lengths"); }
-
-Rows<Constraint> read_guards(const nb::dict& from) {
-    const auto clocks = column<Index>(from, "guard_clock");
-    const auto uppers = column<std::uint8_t>(from, "guard_upper");
-    const auto stricts = column<std::uint8_t>(from, "guard_strict");
-    const auto values = column<Ticks>(from, "guard_value");
-    same_length(clocks.size(), uppers.size());
-    same_length(clocks.size(), stricts.size());
-    same_length(clocks.size(), values.size());
-    std::vector<Constraint> constraints;
-    for (std::size_t k = 0; k < clocks.size(); ++k) {
-        const Ticks bound = uppers[k] != 0 ? values[k] : -checked(values[k]);
-        constraints.push_back({clocks[k], uppers[k] != 0, stricts[k] != 0 ? less(bound) : less_equal(bound)});
-    }
-    return rows(column<Index>(from, "guard_start"), std::move(constraints));
-}
-
-Rows<ClockBounds> read_bounds(const nb::dict& from) {
-    const auto clocks = column<Index>(from, "bounds_clock");
-    const auto lowers = column<Ticks>(from, "bounds_lower");
-    const auto uppers = column<Ticks>(from, "bounds_upper");
-    same_length(clocks.size(), lowers.size());
-    same_length(clocks.size(), uppers.size());
-    // Negative: the clock is never compared from that side.
-    const auto constant = [](Ticks ticks) { return ticks < 0 ? no_bound : checked(ticks); };
-    std::vector<ClockBounds> bounds;
-    for (std::size_t k = 0; k < clocks.size(); ++k)
-        bounds.push_back({clocks[k], constant(lowers[k]), constant(uppers[k])});
-    return rows(column<Index>(from, "bounds_start"), std::move(bounds));
-}
-
 std::vector<Location> read_locations(const nb::dict& from) {
-    const auto invariants = column<Index>(from, "location_invariant");
-    const auto stills = column<Index>(from, "location_still");
-    const auto bounds = column<Index>(from, "location_bounds");
-    const auto emits = column<Index>(from, "location_emits");
-    const auto restless = column<Index>(from, "location_restless");
-    const auto targets = column<Index>(from, "location_target");
-    const auto clocks = column<Index>(from, "location_deadline_clock");
-    const auto deadlines = column<Ticks>(from, "location_deadline");
-    const auto reliefs = column<Index>(from, "location_relief");
+    const auto invariants = view<Index>(from, "location_invariant");
+    const auto stills = view<Index>(from, "location_still");
+    const auto bounds = view<Index>(from, "location_bounds");
+    const auto emits = view<Index>(from, "location_emits");
+    const auto restless = view<Index>(from, "location_restless");
+    const auto targets = view<Index>(from, "location_target");
+    const auto clocks = view<Index>(from, "location_deadline_clock");
+    const auto deadlines = view<Ticks>(from, "location_deadline");
+    const auto reliefs = view<Index>(from, "location_relief");
     for (const std::size_t size : {stills.size(), bounds.size(), emits.size(), restless.size(), targets.size(),
                                    clocks.size(), deadlines.size(), reliefs.size()})
         same_length(size, invariants.size());
@@ -108,13 +37,13 @@ std::vector<Location> read_locations(const nb::dict& from) {
 
 std::vector<Edge> read_edges(const nb::dict& from, const std::string& kind) {
     const auto name = [&](const char* part) { return kind + "_" + part; };
-    const auto targets = column<Index>(from, name("target").c_str());
-    const auto guards = column<Index>(from, name("guard").c_str());
-    const auto resets = column<Index>(from, name("resets").c_str());
-    const auto reads = column<Index>(from, name("reads").c_str());
-    const auto avoids = column<Index>(from, name("avoids").c_str());
-    const auto emits = column<Index>(from, name("emits").c_str());
-    const auto marks = column<Index>(from, name("marks").c_str());
+    const auto targets = view<Index>(from, name("target").c_str());
+    const auto guards = view<Index>(from, name("guard").c_str());
+    const auto resets = view<Index>(from, name("resets").c_str());
+    const auto reads = view<Index>(from, name("reads").c_str());
+    const auto avoids = view<Index>(from, name("avoids").c_str());
+    const auto emits = view<Index>(from, name("emits").c_str());
+    const auto marks = view<Index>(from, name("marks").c_str());
     for (const std::size_t size :
          {guards.size(), resets.size(), reads.size(), avoids.size(), emits.size(), marks.size()})
         same_length(size, targets.size());
@@ -147,19 +76,26 @@ Tables read_tables(const nb::dict& from) {
     return tables;
 }
 
-template <typename Entry>
-auto to_array(std::vector<Entry> entries) {
-    const std::size_t size = entries.size();
-    auto owner = std::make_unique<std::vector<Entry>>(std::move(entries));
-    Entry* const data = owner->data();
-    const nb::capsule capsule(owner.release(),
-                              [](void* held) noexcept { delete static_cast<std::vector<Entry>*>(held); });
-    return nb::ndarray<nb::numpy, Entry, nb::ndim<1>>(data, {size}, capsule);
-}
-
 }  // namespace
 
 void bind_search(nb::module_& module) {
+    module.def(
+        "distances",
+        [](Index locations, const Column<Index>& sources, const Column<Index>& targets, const Column<Index>& times,
+           const Column<Ticks>& ticks, const std::vector<Column<Index>>& goals) {
+            if (locations < 0) throw nb::value_error("a negative number of locations");
+            const auto span = [](const auto& of) { return std::span(of.data(), of.shape(0)); };
+            Distances moves(locations, span(sources), span(targets), span(times), span(ticks));
+            const auto count = static_cast<std::size_t>(locations);
+            std::vector<Ticks> result(goals.size() * count);
+            for (std::size_t field = 0; field < goals.size(); ++field)
+                moves.to(span(goals[field]), std::span(result).subspan(field * count, count));
+            return to_array(std::move(result));
+        },
+        nb::arg("locations"), nb::arg("source"), nb::arg("target"), nb::arg("time"), nb::arg("ticks"),
+        nb::arg("goals"),
+        "For each array of goals a row of the least ticks from every location to one of them, -1 where there is no "
+        "way; `time` is the index of each move into `ticks`. What is farther than 2^53 ticks is given as that.");
     nb::class_<Search>(module, "Search", "Best-first search over the zone graph of a network given as tables.")
         .def(
             "__init__",
@@ -178,15 +114,7 @@ void bind_search(nb::module_& module) {
             "Takes over the tables; `horizon` in ticks and `memory` in bytes, if positive, are limits.")
         .def(
             "run",
-            [](Search& self, double seconds, double limit) {
-                const nb::gil_scoped_release unlocked;
-                const auto interrupted = [] {
-                    const nb::gil_scoped_acquire locked;
-                    if (PyErr_CheckSignals() != 0) throw nb::python_error();
-                };
-                using Seconds = std::chrono::duration<double>;
-                return static_cast<int>(self.run(Seconds(seconds), Seconds(limit), interrupted));
-            },
+            [](Search& self, double seconds, double limit) { return run_interruptibly(self, seconds, limit); },
             nb::arg("seconds"), nb::arg("limit") = std::numeric_limits<double>::infinity(),
             "Searches for about this long, and no longer than the limit. 0: not done, 1: found, 2: exhausted, "
             "3: out of memory.")

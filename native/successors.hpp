@@ -8,33 +8,11 @@
 
 #include <array>
 
-#include "tables.hpp"
-#include "zone.hpp"
+#include "clocks.hpp"
 
 namespace mitlplan {
 
 inline constexpr Index stands_still = -1;
-
-namespace detail {
-
-[[noreturn, gnu::cold, gnu::noinline]] inline void throw_inactive() {
-    throw std::invalid_argument("the tables of the network are damaged: a guard reads a clock that is not active");
-}
-
-}  // namespace detail
-
-/// The clocks of a state, ascending, with clock 0 first, and their bounds for extrapolation.
-struct ActiveClocks {
-    std::vector<int> clocks;
-    std::vector<Ticks> lower;
-    std::vector<Ticks> upper;
-
-    int dimension() const noexcept { return static_cast<int>(clocks.size()); }
-    int position(Index clock) const noexcept {
-        const auto found = std::ranges::lower_bound(clocks, clock);
-        return found != clocks.end() && *found == clock ? static_cast<int>(found - clocks.begin()) : none;
-    }
-};
 
 /// What a joint step leads to: the locations behind it, and the edge that each component takes.
 struct JointStep {
@@ -46,10 +24,7 @@ class Successors {
 public:
     explicit Successors(const Tables& tables)
         : tables_(tables),
-          signals_(static_cast<std::size_t>(tables.components() + 1) * static_cast<std::size_t>(tables.words)),
-          lower_(static_cast<std::size_t>(tables.clocks)),
-          upper_(static_cast<std::size_t>(tables.clocks)),
-          seen_(static_cast<std::size_t>(tables.clocks)) {
+          signals_(static_cast<std::size_t>(tables.components() + 1) * static_cast<std::size_t>(tables.words)) {
         guarded_.resize(static_cast<std::size_t>(tables.components()));
         step_.targets.resize(static_cast<std::size_t>(tables.components()));
         step_.edges.resize(static_cast<std::size_t>(tables.components()));
@@ -94,73 +69,23 @@ public:
         return false;
     }
 
-    /// The active clocks of a state.
-    void active(std::span<const Index> locations, ActiveClocks& result) {
-        result.clocks.assign(1, 0);
-        if (tables_.time_clock != none) result.clocks.push_back(tables_.time_clock);
-        for (const Index location : locations)
-            for (const ClockBounds& bounds : tables_.bounds[tables_.locations[static_cast<std::size_t>(location)].bounds]) {
-                const auto clock = static_cast<std::size_t>(bounds.clock);
-                if (!seen_[clock]) {
-                    seen_[clock] = 1;
-                    lower_[clock] = bounds.lower;
-                    upper_[clock] = bounds.upper;
-                    result.clocks.push_back(bounds.clock);
-                } else {
-                    lower_[clock] = std::max(lower_[clock], bounds.lower);
-                    upper_[clock] = std::max(upper_[clock], bounds.upper);
-                }
-            }
-        std::ranges::sort(result.clocks);
-        result.lower.resize(result.clocks.size());
-        result.upper.resize(result.clocks.size());
-        for (std::size_t k = 1; k < result.clocks.size(); ++k) {
-            const auto clock = static_cast<std::size_t>(result.clocks[k]);
-            if (result.clocks[k] == tables_.time_clock) {
-                // Later is never better: no lower bound is ever asked of the time. What it is, is the objective.
-                result.lower[k] = no_bound;
-                result.upper[k] = std::numeric_limits<Ticks>::max();
-                continue;
-            }
-            result.lower[k] = lower_[clock];
-            result.upper[k] = upper_[clock];
-            seen_[clock] = 0;
-        }
-    }
-
-    /// Intersects a zone with a guard; false if nothing is left.
-    bool constrain(std::span<Bound> zone, const ActiveClocks& clocks, Index guard) const {
-        for (const Constraint& constraint : tables_.guards[guard]) {
-            const int position = clocks.position(constraint.clock);
-            // Whether the bounds of the locations name every clock that is read there shows only here.
-            if (position == none) detail::throw_inactive();
-            const int i = constraint.upper ? position : 0;
-            const int j = constraint.upper ? 0 : position;
-            if (!dbm::constrain(zone, clocks.dimension(), i, j, constraint.bound)) return false;
-        }
-        return true;
-    }
-
     /// The zone behind a move, before time passes: clocks reset, inactive ones dropped.
     void settle(std::span<const Bound> zone, const ActiveClocks& before, const JointStep& step,
                 const ActiveClocks& after, std::vector<Bound>& result) {
-        source_.assign(after.clocks.begin(), after.clocks.end());
-        for (int& clock : source_) clock = clock == 0 ? 0 : before.position(clock);
-        for (Index component = step.edges[0] == stands_still ? 1 : 0; component < tables_.components(); ++component)
-            for (const Index clock : tables_.resets[edge_of(StepKind::move, step, component).resets]) {
-                const int position = after.position(clock);
-                if (position != none) source_[static_cast<std::size_t>(position)] = fresh_clock;
-            }
-        result.resize(dbm::size(after.dimension()));
-        dbm::remap(zone, before.dimension(), source_, result);
+        resets_.clear();
+        for (Index component = step.edges[0] == stands_still ? 1 : 0; component < tables_.components(); ++component) {
+            const auto resets = tables_.resets[edge_of(StepKind::move, step, component).resets];
+            resets_.insert(resets_.end(), resets.begin(), resets.end());
+        }
+        carry_over(zone, before, resets_, after, source_, result);
     }
 
     /// The open phase: some time passes, within the invariants. False if none can.
     bool elapse(std::span<Bound> zone, const ActiveClocks& clocks, std::span<const Index> locations) const {
         dbm::up_strict(zone, clocks.dimension());
-        for (const Index location : locations)
-            if (!constrain(zone, clocks, tables_.locations[static_cast<std::size_t>(location)].invariant)) return false;
-        return true;
+        return std::ranges::all_of(locations, [&](Index location) {
+            return constrain(zone, clocks, tables_.guards[tables_.locations[static_cast<std::size_t>(location)].invariant]);
+        });
     }
 
 private:
@@ -198,7 +123,7 @@ private:
                 // Constrained here and not at the end, so that what the clocks forbid is not combined any further.
                 auto& guarded = guarded_[position];
                 guarded.assign(zone.begin(), zone.end());
-                if (!constrain(guarded, source.clocks, edge.guard)) continue;
+                if (!constrain(guarded, source.clocks, tables_.guards[edge.guard])) continue;
                 within = guarded;
             }
             for (std::size_t word = 0; word < words; ++word) next[word] = set[word] | emits[word];
@@ -212,9 +137,7 @@ private:
     std::vector<std::uint64_t> signals_;
     JointStep step_;
     std::vector<std::vector<Bound>> guarded_;  // by component: the zone within the guards of those before and its own
-    std::vector<Ticks> lower_;
-    std::vector<Ticks> upper_;
-    std::vector<std::uint8_t> seen_;
+    std::vector<Index> resets_;
     std::vector<int> source_;
 };
 

@@ -113,6 +113,20 @@ inline void up_strict(std::span<Bound> zone, int dimension) noexcept {
     }
 }
 
+/// Time passes, possibly none, for the clocks that are not stopped: the least zone around { v + d * r | v in zone, d >=
+/// 0 } with r_i = 0 for stopped clocks and 1 for the others. That set is no zone where a stopped and a running clock
+/// are related to others (Cassez and Larsen 2000, The impressive power of stopwatches): an over-approximation. Bounds
+/// of running on stopped clocks go. Closed: what is left of a path into a running clock never leads over the removed
+/// entries, and a path into a stopped clock begins at one.
+inline void up_partly(std::span<Bound> zone, int dimension, std::span<const std::uint8_t> stopped) noexcept {
+    if (is_empty(zone)) return;
+    for (int i = 1; i < dimension; ++i) {
+        if (stopped[static_cast<std::size_t>(i)] != 0) continue;
+        for (int j = 0; j < dimension; ++j)
+            if (j == 0 || stopped[static_cast<std::size_t>(j)] != 0) zone[entry(dimension, i, j)] = infinity;
+    }
+}
+
 /// x_i := value, which is >= 0. O(n).
 inline void reset(std::span<Bound> zone, int dimension, int i, Ticks value = 0) {
     assert(0 < i && i < dimension && 0 <= value);
@@ -195,6 +209,32 @@ inline bool extrapolate_lu_plus(std::span<Bound> zone, int dimension, std::span<
     return changed;
 }
 
+/// Whether a diagonal-free automaton can do from `outer` all it can do from `inner`: whether every valuation of `inner`
+/// is simulated by one of `outer`, i.e. `inner` lies in a_LU(outer). That set is no zone, but the test is O(n^2)
+/// (Herbreteau, Srivathsan and Walukiewicz 2012, Better abstractions for timed automata, theorem 34). Bounds as for
+/// `extrapolate_lu_plus`, whose result lies in a_LU(zone): zones that were extrapolated may be compared.
+inline bool simulates(std::span<const Bound> outer, std::span<const Bound> inner, int dimension,
+                      std::span<const Ticks> lower, std::span<const Ticks> upper) noexcept {
+    if (is_empty(inner)) return true;
+    if (is_empty(outer)) return false;
+    for (int x = 0; x < dimension; ++x) {
+        const Bound least = inner[static_cast<std::size_t>(x)];
+        // Whether every value of x is beyond its upper constant: inner(0, x) < (<=, -U_x).
+        const Ticks beyond = x == 0 ? 0 : upper[static_cast<std::size_t>(x)];
+        if (-value(least) > beyond || (-value(least) == beyond && is_strict(least))) continue;
+        for (int y = 0; y < dimension; ++y) {
+            const Bound wide = outer[entry(dimension, y, x)];
+            if (wide >= inner[entry(dimension, y, x)]) continue;
+            const Ticks largest = y == 0 ? 0 : lower[static_cast<std::size_t>(y)];
+            // outer(y, x) + (<, -L_y) < inner(0, x), where the left side is strict.
+            if (largest >= 0 && value(wide) - largest <= value(least)) {
+                if (value(wide) - largest < value(least) || !is_strict(least)) return false;
+            }
+        }
+    }
+    return true;
+}
+
 /// The zone `to`, of dimension source.size(), whose clock k is clock source[k] of `from`, or a new clock with the
 /// value 0 if source[k] is `fresh_clock`. source[0] is 0. Dropping, adding, copying and permuting clocks at once:
 /// a new clock is a copy of x_0, and a closed matrix stays closed when rows and columns are taken from it.
@@ -251,6 +291,7 @@ public:
     bool constrain(int i, int j, Bound bound) { return dbm::constrain(matrix_, dimension_, i, j, bound); }
     void up() noexcept { dbm::up(matrix_, dimension_); }
     void up_strict() noexcept { dbm::up_strict(matrix_, dimension_); }
+    void up_partly(std::span<const std::uint8_t> stopped) noexcept { dbm::up_partly(matrix_, dimension_, stopped); }
     void reset(int i, Ticks value = 0) { dbm::reset(matrix_, dimension_, i, value); }
     void free(int i) noexcept { dbm::free(matrix_, dimension_, i); }
     bool close() { return dbm::close(matrix_, dimension_); }
@@ -260,6 +301,9 @@ public:
     }
 
     bool includes(const Zone& other) const noexcept { return dbm::includes(matrix_, other.matrix_); }
+    bool simulates(const Zone& other, std::span<const Ticks> lower, std::span<const Ticks> upper) const noexcept {
+        return dbm::simulates(matrix_, other.matrix_, dimension_, lower, upper);
+    }
     bool equals(const Zone& other) const noexcept { return dbm::equals(matrix_, other.matrix_); }
     bool intersects(const Zone& other) const { return Zone(*this).intersect(other); }
     std::size_t hash() const noexcept { return dbm::hash(matrix_); }

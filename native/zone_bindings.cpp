@@ -129,6 +129,18 @@ void bind_zone(nb::module_& m) {
             },
             "Any time > 0 passes.")
         .def(
+            "up_partly",
+            [](Zone zone, const std::vector<int>& stopped) {
+                std::vector<std::uint8_t> stands_still(static_cast<std::size_t>(zone.dimension()));
+                for (const int i : stopped) {
+                    check_clock(zone, i);
+                    stands_still[static_cast<std::size_t>(i)] = 1;
+                }
+                zone.up_partly(stands_still);
+                return zone;
+            },
+            "stopped"_a, "Any time >= 0 passes for the other clocks: the least zone around what is then possible.")
+        .def(
             "reset",
             [](Zone zone, int i, Ticks value) {
                 check_clock(zone, i);
@@ -167,6 +179,15 @@ void bind_zone(nb::module_& m) {
                 return zone.includes(other);
             },
             "other"_a, "Whether every valuation of the other is in this one.")
+        .def(
+            "simulates",
+            [](const Zone& zone, const Zone& other, const std::vector<std::optional<Ticks>>& lower,
+               const std::vector<std::optional<Ticks>>& upper) {
+                check_same_dimension(zone, other);
+                return zone.simulates(other, largest_constants(zone, lower), largest_constants(zone, upper));
+            },
+            "other"_a, "lower"_a, "upper"_a,
+            "Whether each valuation of the other is simulated by one of this: the other lies in a_LU of this.")
         .def(
             "extrapolate_lu_plus",
             [](Zone zone, const std::vector<std::optional<Ticks>>& lower,

@@ -1,7 +1,7 @@
 """Engine, oracle and judge on ten thousand random missions.
 
 A failure prints the seed, the sentences on which they differ, and the mission file; to look at one again:
-``python -m tests.fuzz --seed 4711 --missions 1``. `make fuzz` goes on for as long as one likes.
+``mitlplan-fuzz --seed 4711 --cases 1``. `make fuzz` goes on for as long as one likes.
 """
 
 from __future__ import annotations

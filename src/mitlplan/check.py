@@ -51,7 +51,7 @@ def check(mission: Mission, plan: Plan) -> str | None:
 
 
 def signal_of(steps: Sequence[Step], loop: Loop | None = None) -> Signal:
-    """What holds when, along steps that the robot can go.
+    """What holds when, along steps that the robot can go; a stay that shows nothing new is no segment.
 
     Parameters
     ----------
@@ -63,7 +63,11 @@ def signal_of(steps: Sequence[Step], loop: Loop | None = None) -> Signal:
     >>> signal_of([Step("r0c0", Fraction(0), None, ("A",))], Loop(0, None)).repeat_from
     Fraction(0, 1)
     """
-    segments = tuple(Segment(step.enter, frozenset(step.holds)) for step in steps)
+    segments = tuple(
+        Segment(step.enter, frozenset(step.holds))
+        for place, step in enumerate(steps)
+        if place == 0 or step.holds != steps[place - 1].holds
+    )
     end = ending(steps)
     match loop:
         case None:

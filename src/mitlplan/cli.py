@@ -23,15 +23,27 @@ from typing import TYPE_CHECKING, Annotated, TextIO
 
 import typer
 
-from mitlplan import cli_models, cli_trajectory
+from mitlplan import cli_models, cli_reach, cli_trajectory
+from mitlplan.cli_options import (
+    BAD_INPUT,
+    FOUND,
+    INTERRUPTED,
+    LIMIT,
+    NONE,
+    OUR_ERROR,
+    MemoryLimit,
+    Output,
+    TimeLimit,
+    progress_shown,
+)
 from mitlplan.errors import MitlplanError
 
 if TYPE_CHECKING:
+    from mitlplan.engine import Engine
     from mitlplan.mission import Mission
     from mitlplan.plan import Outcome
-    from mitlplan.planner import Answer, Progress
-
-FOUND, NONE, BAD_INPUT, LIMIT, OUR_ERROR, INTERRUPTED = 0, 1, 2, 3, 70, 130
+    from mitlplan.planner import Answer
+    from mitlplan.search.fastest import Limits
 
 app = typer.Typer(
     name="mitlplan",
@@ -79,6 +91,15 @@ class Construction(str, Enum):
 
     compact = "compact"
     seed = "seed"
+    published = "published"
+
+
+class EngineChoice(str, Enum):
+    """What searches."""
+
+    zones = "zones"
+    reach = "reach"
+    uppaal = "uppaal"
 
 
 def _exact_option(text: str | None) -> str | None:
@@ -94,25 +115,9 @@ def _exact_option(text: str | None) -> str | None:
     return text
 
 
-def _finite_option(seconds: float | None) -> float | None:
-    if seconds is not None and not 0 < seconds < float("inf"):
-        raise typer.BadParameter("a positive number of seconds is expected")
-    return seconds
-
-
 MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")]
-Output = Annotated[
-    Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write here instead of to stdout.")
-]
 Until = Annotated[UntilChoice | None, typer.Option(help="Instead of the mission's own.")]
 Horizon = Annotated[HorizonChoice | None, typer.Option(help="Instead of the mission's own.")]
-TimeLimit = Annotated[
-    float | None,
-    typer.Option(metavar="SECONDS", callback=_finite_option, help="Stop the search after so long."),
-]
-MemoryLimit = Annotated[
-    int | None, typer.Option(metavar="MB", min=1, help="Stop the search when it holds so much.")
-]
 WitnessFormOption = Annotated[WitnessForm, typer.Option("--format", help="How the answer is written.")]
 FormulaText = Annotated[str, typer.Argument(metavar="FORMULA", help="A formula, in quotes.")]
 
@@ -150,6 +155,12 @@ def plan_command(
     construction: Annotated[
         Construction, typer.Option(help="How formulas become automata.")
     ] = Construction.compact,
+    engine: Annotated[
+        EngineChoice,
+        typer.Option(
+            help="What searches: the planner's own, or on the exported model reach or UPPAAL's verifyta."
+        ),
+    ] = EngineChoice.zones,
     until: Until = None,
     horizon: Horizon = None,
     epsilon: Annotated[
@@ -165,22 +176,18 @@ def plan_command(
 ) -> None:
     """Find the fastest plan for a mission, or prove that there is none."""
     with _errors_reported():
-        from mitlplan import planner
         from mitlplan.formats.output import check_writable
+        from mitlplan.search.fastest import Limits
 
         if output is not None:
             check_writable(output)
         begin = time.perf_counter()
         read = _read(mission, until, horizon, epsilon)
         reading = time.perf_counter() - begin
-        with _progress_shown() as progress:
-            outcome = planner.plan(
-                read,
-                construction=construction.value,
-                time_limit=time_limit,
-                memory_limit=memory_limit,
-                progress=progress,
-            )
+        search = _search(engine, construction)
+        with progress_shown() as progress:
+            limits = Limits(time_limit, memory_limit, progress)
+            outcome = search(read, limits)
         outcome = _with_reading(outcome, reading)
         _deliver(_written(outcome, form, to_terminal=output is None), output)
         code = _code(outcome)
@@ -295,6 +302,52 @@ def _read(
     return found
 
 
+# ------------------------------------------------------------------------------------------------ searching
+
+
+def _search(engine: EngineChoice, construction: Construction) -> Callable[[Mission, Limits], Outcome]:
+    """What finds a plan; that a tool is missing is found out at once."""
+    if construction is Construction.published:
+        _say(
+            "mitlplan: warning: the published construction is unsound: what it finds may violate the "
+            "mission, what it misses may satisfy it"
+        )
+        if engine is EngineChoice.zones:
+            # Its model is no network of transducers in lock step, which that engine is made for.
+            engine = EngineChoice.reach
+    match engine:
+        case EngineChoice.zones:
+            from mitlplan.planner import plan
+
+            return lambda mission, limits: plan(
+                mission,
+                construction="seed" if construction is Construction.seed else "compact",
+                time_limit=limits.seconds,
+                memory_limit=limits.megabytes,
+                progress=limits.progress,
+            )
+        case EngineChoice.reach:
+            from mitlplan.search.reach import reach
+
+            return _by(reach, engine, construction)
+        case EngineChoice.uppaal:
+            from functools import partial
+
+            from mitlplan.formats.verifyta import fastest_trace, find_verifyta
+
+            return _by(partial(fastest_trace, verifyta=find_verifyta()), engine, construction)
+
+
+def _by(
+    engine: Engine, choice: EngineChoice, construction: Construction
+) -> Callable[[Mission, Limits], Outcome]:
+    from mitlplan.engine import plan_by
+
+    return lambda mission, limits: plan_by(
+        engine, mission, name=choice.value, construction=construction.value, limits=limits
+    )
+
+
 # ------------------------------------------------------------------------------------------------ answering
 
 
@@ -329,7 +382,7 @@ def _code(outcome: Outcome) -> int:
 
     match outcome:
         case Plan():
-            return FOUND
+            return FOUND if outcome.fault is None else NONE
         case Infeasible():
             return NONE
         case LimitReached():
@@ -361,7 +414,7 @@ def _decide(
     from mitlplan.planner import Satisfiable
 
     formulas = [parse(text) for text in texts]
-    with _progress_shown() as progress:
+    with progress_shown() as progress:
         answer = question(
             *formulas, until=until.value, time_limit=time_limit, memory_limit=memory_limit, progress=progress
         )
@@ -407,17 +460,6 @@ def _say(message: str) -> None:
 
 
 @contextmanager
-def _progress_shown() -> Iterator[Callable[[Progress], None]]:
-    from mitlplan.formats.progress_line import ProgressLine
-
-    line = ProgressLine(sys.stderr)
-    try:
-        yield lambda progress: line.show(progress.states, progress.lower_bound, progress.seconds)
-    finally:
-        line.clear()
-
-
-@contextmanager
 def _errors_reported() -> Iterator[None]:
     """Turn whatever goes wrong into a sentence and the exit code that belongs to it."""
     try:
@@ -442,4 +484,5 @@ def _errors_reported() -> Iterator[None]:
 
 
 cli_models.register(app, _errors_reported)
+cli_reach.register(app, _errors_reported)
 cli_trajectory.register(app, _errors_reported)

@@ -6,8 +6,8 @@ they write. `automaton --figure` draws the figures of Zhou, Maity and Baras from
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Iterator
+from contextlib import contextmanager
 from enum import Enum
 from fractions import Fraction
 from pathlib import Path
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from mitlplan.cli_options import BAD_INPUT, Output, Reported
 from mitlplan.errors import MitlplanError
 
 if TYPE_CHECKING:
@@ -22,10 +23,6 @@ if TYPE_CHECKING:
     from mitlplan.formats.layout import Layout
     from mitlplan.mission import Mission
     from mitlplan.models import MissionModel
-
-Reported = Callable[[], AbstractContextManager[None]]
-
-_BAD_INPUT = 2
 
 
 class Format(str, Enum):
@@ -73,9 +70,6 @@ def _bound_option(text: str | None) -> str | None:
 MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")]
 OptionalMission = Annotated[
     Path | None, typer.Argument(metavar="[MISSION]", help="A mission file, YAML or JSON.")
-]
-Output = Annotated[
-    Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write here instead of to stdout.")
 ]
 ConstructionOption = Annotated[Construction, typer.Option(help="How formulas become automata.")]
 Until = Annotated[UntilChoice | None, typer.Option(help="Instead of the mission's own.")]
@@ -154,8 +148,7 @@ def translated(
             layout = layout_of(mission, model)
             return write_uppaal(model.network, model.query, layout=layout, notes=model.notes)
         case Format.tchecker:
-            network = _folded(mission, model) if construction is not Construction.published else model.network
-            return write_tchecker(network, model.query, bound=bound, notes=model.notes)
+            return write_tchecker(_folded(mission, model), model.query, bound=bound, notes=model.notes)
         case Format.dot:
             from mitlplan.formats.dot import automaton_dot
 
@@ -270,4 +263,4 @@ def _reported() -> Iterator[None]:
         yield
     except MitlplanError as error:
         typer.echo(f"mitlplan: {error}", err=True)
-        raise typer.Exit(_BAD_INPUT) from None
+        raise typer.Exit(BAD_INPUT) from None

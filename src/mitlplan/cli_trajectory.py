@@ -8,8 +8,8 @@ turn=arc``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
@@ -18,17 +18,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mitlplan.cli_options import BAD_INPUT, LIMIT, NONE, Reported
 from mitlplan.errors import MitlplanError, OutputError, TrajectoryError
 
 if TYPE_CHECKING:
     from mitlplan.mission import Mission
     from mitlplan.plan import Plan
-    from mitlplan.trajectory import Robot, Trajectory
+    from mitlplan.trajectory import Driving, Robot, Trajectory
     from mitlplan.workspace import Workspace
-
-Reported = Callable[[], AbstractContextManager[None]]
-
-_NONE, _BAD_INPUT, _LIMIT = 1, 2, 3
 
 _ROBOT_KEYS = ("speed", "turn_rate", "acceleration", "turn_acceleration", "radius", "heading")
 _DRIVE_KEYS = (
@@ -250,16 +247,15 @@ def _planned(mission: Path, plan: Path | None) -> tuple[Mission, Plan]:
             return found, outcome
         case Infeasible(reason=reason):
             _say(f"no plan: {reason}")
-            raise typer.Exit(_NONE)
+            raise typer.Exit(NONE)
         case LimitReached(reason=reason):
             _say(f"no plan found: {reason}")
-            raise typer.Exit(_LIMIT)
+            raise typer.Exit(LIMIT)
 
 
 def _driven(mission: Mission, plan: Plan, wishes: _Wishes) -> tuple[Plan, Trajectory]:
     """The trajectory, and the plan that it follows, which is another one if it was retimed."""
-    from mitlplan.check import check
-    from mitlplan.trajectory import Driving, Profile, Style, Waiting, Weights, follow, retime, spans_of
+    from mitlplan.trajectory import Driving, Profile, Style, Waiting, Weights, follow
 
     model = mission.robot
     weights = [wishes.exact(f"{name}_weight") for name in ("linear", "angular")]
@@ -277,8 +273,7 @@ def _driven(mission: Mission, plan: Plan, wishes: _Wishes) -> tuple[Plan, Trajec
     if heading is None and model is not None:
         heading = model.heading
     if wishes.wanted("retime"):
-        spans = spans_of(plan, mission.workspace, robot=robot, driving=driving, heading=heading)
-        plan = retime(plan, spans, lambda slower: check(mission, slower) is None, wishes.exact("deadline"))
+        plan = _retimed(mission, plan, robot, driving, heading, wishes.exact("deadline"))
         waiting = Waiting.SLOW
     elif "deadline" in wishes.drive:
         raise TrajectoryError("a deadline is for --drive retime=true; the plan keeps its times otherwise")
@@ -292,6 +287,33 @@ def _driven(mission: Mission, plan: Plan, wishes: _Wishes) -> tuple[Plan, Trajec
         stop_time=wishes.exact("stop_time"),
     )
     return plan, trajectory
+
+
+def _retimed(
+    mission: Mission,
+    plan: Plan,
+    robot: Robot,
+    driving: Driving,
+    heading: float | None,
+    deadline: Fraction | None,
+) -> Plan:
+    """The plan at the times that cost least; whether no others cost less is said on stderr."""
+    from mitlplan.check import check
+    from mitlplan.compose import core_of
+    from mitlplan.refusal import reasons
+    from mitlplan.trajectory import retime, spans_of
+
+    core = core_of(mission)
+    found = retime(
+        plan,
+        spans_of(plan, mission.workspace, robot=robot, driving=driving, heading=heading),
+        lambda slower: check(mission, slower) is None,
+        reasons=lambda slower: reasons(core, slower, horizon=mission.horizon),
+        deadline=deadline,
+    )
+    if found.cost > found.bound:
+        _say(f"the new times cost {found.cost:.6g}; others may cost less, but not below {found.bound:.6g}")
+    return found.plan
 
 
 def _robot(mission: Mission, wishes: _Wishes) -> Robot:
@@ -413,4 +435,4 @@ def _reported() -> Iterator[None]:
         yield
     except MitlplanError as error:
         _say(f"mitlplan: {error}")
-        raise typer.Exit(_BAD_INPUT) from None
+        raise typer.Exit(BAD_INPUT) from None

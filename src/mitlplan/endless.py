@@ -17,6 +17,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from heapq import heappop, heappush
 from itertools import islice, pairwise
+from math import ceil
 from typing import Any, TypeAlias
 from typing import Literal as Choice
 
@@ -357,7 +358,7 @@ def fastest_loop(question: Question, to_beat: Rival | None, limits: Limits) -> L
             return known
         if known.loop is not None:
             to_beat = known.loop.rival
-    if to_beat is None:
+    if to_beat is None or _least_rival(question.workspace, known.bound) >= to_beat:
         return known
     walks = _walks(question, known.bound, to_beat, limits)
     reached = to_beat[0] if walks.complete_up_to is None else walks.complete_up_to
@@ -489,6 +490,8 @@ def _tick(question: Question) -> Fraction:
 def _shortest_stay(workspace: Workspace, starts: tuple[int, ...]) -> Fraction:
     """No stay that the robot can come to is shorter, in seconds."""
     count = workspace.cell_count
+    if workspace.move_count and workspace.least.min() == workspace.least.max():
+        return workspace.durations[int(workspace.least[0])]
     graph: Any = csr_array(
         (np.ones(workspace.move_count, dtype=np.int8), (workspace.source, workspace.target)), (count, count)
     )
@@ -498,6 +501,14 @@ def _shortest_stay(workspace: Workspace, starts: tuple[int, ...]) -> Fraction:
             within[breadth_first_order(graph, start, return_predecessors=False)] = True
     least = np.unique(workspace.least[within[workspace.source]])
     return min((workspace.durations[index] for index in least), default=Fraction(0))
+
+
+def _least_rival(workspace: Workspace, bound: Fraction) -> Rival:
+    """No loop whose first round ends at `bound`, in seconds, or later is better than this."""
+    if workspace.waiting or bool((workspace.most == UNLIMITED).any()):
+        return bound, 0
+    longest = max((workspace.durations[index] for index in np.unique(workspace.most)), default=Fraction(0))
+    return bound, 0 if longest == 0 else ceil(bound / longest)
 
 
 def _stays_are_given(workspace: Workspace) -> bool:

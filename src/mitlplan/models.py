@@ -15,7 +15,7 @@ from mitlplan.automata import transducer
 from mitlplan.automata.lockstep import lockstep
 from mitlplan.automata.timed_automaton import Network, Query
 from mitlplan.logic.formula import And, Formula
-from mitlplan.logic.normalize import co_safe
+from mitlplan.logic.normalize import accomplishable
 from mitlplan.logic.show import show
 from mitlplan.mission import Mission
 from mitlplan.translation.seed.published_network import published_model
@@ -98,7 +98,8 @@ def lockstep_of(mission: Mission, construction: compose.Construction) -> transdu
 
 
 def _in_lockstep(mission: Mission, construction: Literal["compact", "seed"]) -> MissionModel:
-    parkings = mission.horizon == "infinite" and not co_safe(compose.core_of(mission))
+    accomplished = all(accomplishable(requirement.formula) for requirement in mission.spec)
+    parkings = mission.horizon == "infinite" and not accomplished
     model = lockstep(lockstep_of(mission, construction), list(mission.workspace.names), parkings=parkings)
     count = mission.workspace.cell_count
     return MissionModel(

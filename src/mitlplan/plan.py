@@ -49,13 +49,14 @@ class Loop:
 
 @dataclass(frozen=True, slots=True)
 class Statistics:
-    """How an answer was found: sizes of the automata, zones explored, seconds spent by stage."""
+    """How an answer was found: sizes of the automata, zones explored, seconds by stage, and what searched."""
 
     construction: str = "compact"
     locations: int = 0
     edges: int = 0
     zones: int = 0
     seconds: Mapping[str, float] = field(default_factory=dict)
+    engine: str = "zones"
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +78,8 @@ class Plan:
     bound
         A proven lower bound on the makespan of every plan; equal to `makespan` when the plan is
         proved fastest.
+    fault
+        What the judge has against it: only the published construction, which is unsound, lets such through.
     """
 
     steps: tuple[Step, ...]
@@ -87,6 +90,7 @@ class Plan:
     checked: bool = False
     bound: Fraction | None = None
     statistics: Statistics = field(default_factory=Statistics)
+    fault: str | None = None
 
     def __str__(self) -> str:
         stops = " -> ".join(f"{step.enter} {step.cell}" for step in self.steps)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -43,7 +43,7 @@ from mitlplan.mission import Horizon, Mission, Spec, UntilKind, mission_for
 from mitlplan.plan import Infeasible, LimitReached, Loop, Outcome, Plan, Statistics, Step
 from mitlplan.search.fastest import Exhausted, Found, Limits, Progress, Stopped, fastest_run
 from mitlplan.search.schedule import STANDS_STILL, schedule
-from mitlplan.search.tables import Tables, tabulate
+from mitlplan.search.tables import Tables, tabulate, ticks_per_second
 from mitlplan.slack import slack_of
 from mitlplan.translation.compact.relax import can_end, parked_label
 from mitlplan.translation.compact.translate import translate
@@ -215,24 +215,27 @@ class _Planning:
                 horizon=self.horizon,
                 construction=question.construction,
             )
-            tables = tabulate(network)
             self.size = _size(network)
+            # What no tables could hold is refused, whether they are needed or not.
+            ticks_per_second(network)
         endless = self.horizon == "infinite" and not all(map(accomplishable, question.formulas))
         # Where no run can end or park, only loops need to be sought.
         endings = not endless or can_end(question.core)
         parkings = endless and self.can_park()
-        with self.stage("search"):
-            result: Found | Exhausted | Stopped = Exhausted(0)
-            if endings or parkings:
+        best: Plan | None = None
+        if endings or parkings:
+            with self.stage("translate"):
+                tables = tabulate(network)
+            with self.stage("search"):
                 result = fastest_run(tables, self.limits, endings=endings, parkings=parkings)
-        self.states += result.states
-        match result:
-            case Stopped(reason, reached):
-                return LimitReached(reason, reached, self.statistics())
-            case Found():
-                best: Plan | None = self.plan_of_run(tables, result)
-            case Exhausted():
-                best = None
+            self.states += result.states
+            match result:
+                case Stopped(reason, reached):
+                    return LimitReached(reason, reached, self.statistics())
+                case Found():
+                    best = self.plan_of_run(tables, result)
+                case Exhausted():
+                    pass
         if best is not None and not (endless and fastest):
             return replace(best, statistics=self.statistics())
         if not endless:
@@ -279,8 +282,8 @@ class _Planning:
         parks = found.path.last == "parking"
         leaves = [*(timed.times[step] for step in moves[1:]), None if parks else timed.times[-1]]
         steps = tuple(
-            Step(workspace.names[cell], timed.times[step], leave, self.shown(cell), timed.slack[step])
-            for cell, step, leave in zip(cells, moves, leaves, strict=True)
+            Step(workspace.names[cell], timed.times[step], leave, shown, timed.slack[step])
+            for cell, step, leave, shown in zip(cells, moves, leaves, self.shown(cells), strict=True)
         )
         return Plan(
             steps,
@@ -296,9 +299,10 @@ class _Planning:
         workspace = self.question.workspace
         steps = []
         now = Fraction(0)
-        for stay in (*loop.prefix, *loop.cycle):
+        stays = (*loop.prefix, *loop.cycle)
+        for stay, shown in zip(stays, self.shown([stay.cell for stay in stays]), strict=True):
             leave = now + stay.duration
-            steps.append(Step(workspace.names[stay.cell], now, leave, self.shown(stay.cell), Fraction(0)))
+            steps.append(Step(workspace.names[stay.cell], now, leave, shown, Fraction(0)))
             now = leave
         period = sum((stay.duration for stay in loop.cycle), Fraction(0))
         return Plan(tuple(steps), loop.makespan, Loop(len(loop.prefix), period))
@@ -308,11 +312,18 @@ class _Planning:
         question = self.question
         with self.stage("slack"):
             slack = slack_of(question.workspace, question.core, self.horizon, found, self.limits)
-        steps = (replace(step, slack=one) for step, one in zip(found.steps, slack, strict=True))
+        steps = (
+            step if step.slack == one else replace(step, slack=one)
+            for step, one in zip(found.steps, slack, strict=True)
+        )
         return replace(found, steps=tuple(steps))
 
-    def shown(self, cell: int) -> tuple[str, ...]:
-        return tuple(sorted(self.question.workspace.holds(cell)))
+    def shown(self, cells: Sequence[int]) -> Iterator[tuple[str, ...]]:
+        """What holds in each cell, sorted."""
+        workspace = self.question.workspace
+        labels = workspace.label_of[cells].tolist()
+        listed = {label: tuple(sorted(workspace.label_sets[label])) for label in set(labels)}
+        return map(listed.__getitem__, labels)
 
 
 def _planning(mission: Mission, limits: Limits, construction: Construction = "compact") -> _Planning:

@@ -10,7 +10,8 @@ overlooked. It is less than it might be where the questions are used up.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -123,7 +124,6 @@ class _Line:
         self.parks = plan.loop is not None and plan.loop.period is None
         self.stays = list(self._stays())
         self.stretches = list(self._stretches())
-        self.needed = list(accumulate((stay.least for stay in self.stays), initial=Fraction(0)))
         self.questions = 0
         self.known: dict[tuple[int, bool], Slack] = {}
 
@@ -202,19 +202,23 @@ class _Line:
 
     def _stays(self) -> Iterator[_Stay]:
         workspace, steps = self.workspace, self.plan.steps
-        cells = [workspace.index_of(step.cell) for step in steps]
-        targets = [*cells[1:], None if self.loop_start is None else cells[self.loop_start]]
-        for step, cell, target in zip(steps, cells, targets, strict=True):
-            assert cell is not None
-            moves = workspace.moves_from(cell)
-            label = workspace.holds(cell)
-            if target is None:
-                yield _Stay(label | {_ARRIVED}, step.enter, Fraction(0), self._longest_stay(moves))
-                continue
+        cells = [index for index in (workspace.index_of(step.cell) for step in steps) if index is not None]
+        labels = [workspace.label_sets[index] for index in workspace.label_of[cells].tolist()]
+        ways = workspace.moves_along(
+            [*cells, *(() if self.loop_start is None else (cells[self.loop_start],))]
+        )
+        for step, label, moves in zip(steps, labels, ways, strict=False):
             stay = (step.leave or step.enter) - step.enter
-            taken = next(move for move in moves if self._fits(move, target, stay))
-            most = None if workspace.waiting else workspace.most_time(taken)
-            yield _Stay(label, step.enter, workspace.least_time(taken), most)
+            least, most = next(times for times in map(self._times, moves) if _within(stay, *times))
+            yield _Stay(label, step.enter, least, most)
+        if self.loop_start is None:
+            longest = self._longest_stay(workspace.moves_from(cells[-1]))
+            yield _Stay(labels[-1] | {_ARRIVED}, steps[-1].enter, Fraction(0), longest)
+
+    def _times(self, move: int) -> tuple[Fraction, Slack]:
+        """The least and the longest stay before a move."""
+        most = None if self.workspace.waiting else self.workspace.most_time(move)
+        return self.workspace.least_time(move), most
 
     def _longest_stay(self, moves: Sequence[int]) -> Slack:
         longest = [self.workspace.most_time(move) for move in moves]
@@ -222,11 +226,6 @@ class _Line:
         if self.workspace.waiting or len(limits) < len(longest):
             return None
         return max(limits, default=Fraction(0))
-
-    def _fits(self, move: int, target: int, stay: Fraction) -> bool:
-        most = None if self.workspace.waiting else self.workspace.most_time(move)
-        in_time = self.workspace.least_time(move) <= stay and (most is None or stay <= most)
-        return int(self.workspace.target[move]) == target and in_time
 
     def _stretches(self) -> Iterator[_Stretch]:
         begins = [
@@ -236,13 +235,13 @@ class _Line:
         ]
         for first, behind in zip(begins, [*begins[1:], len(self.stays)], strict=True):
             stays = self.stays[first:behind]
-            ends = [stay.most for stay in stays if stay.most is not None]
+            longest = [stay.most for stay in stays]
             yield _Stretch(
                 first,
                 stays[0].label,
                 stays[0].enter,
-                sum((stay.least for stay in stays), Fraction(0)),
-                sum(ends, Fraction(0)) if len(ends) == len(stays) else None,
+                _sum(stay.least for stay in stays),
+                None if None in longest else _sum(longest),
             )
 
     # -- the line and its automata -------------------------------------------------------------------------
@@ -281,6 +280,11 @@ class _Line:
         )
 
     @cached_property
+    def needed(self) -> list[Fraction]:
+        """The least time from the start to each stay, and to the end."""
+        return list(accumulate((stay.least for stay in self.stays), initial=Fraction(0)))
+
+    @cached_property
     def label_sets(self) -> tuple[frozenset[str], ...]:
         return tuple(dict.fromkeys(one.label for one in self.stretches))
 
@@ -307,6 +311,15 @@ class _Line:
     def farthest(self) -> Fraction:
         """A delay so long that a longer one makes no difference, in seconds."""
         return sum(_bounds(self.core), self.entered(len(self.stretches))) + 1
+
+
+def _within(stay: Fraction, least: Fraction, most: Slack) -> bool:
+    return stay == least or (least < stay and (most is None or stay <= most))
+
+
+def _sum(times: Iterable[Slack]) -> Fraction:
+    """The sum of times of which few are different, none without limit."""
+    return sum((time * count for time, count in Counter(times).items() if time is not None), Fraction(0))
 
 
 def _largest(possible: Callable[[Fraction], bool], known: Slack, tick: Fraction, farthest: Fraction) -> Slack:

@@ -20,8 +20,6 @@ from math import lcm
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from mitlplan.compose import compose
 from mitlplan.logic.core import (
@@ -40,7 +38,7 @@ from mitlplan.logic.core import (
 )
 from mitlplan.search.fastest import Exhausted, Found, Limits, Stopped, fastest_run
 from mitlplan.search.schedule import STANDS_STILL, schedule
-from mitlplan.search.tables import tabulate
+from mitlplan.search.tables import FARTHEST, nearest, tabulate
 from mitlplan.translation.compact.translate import necessary_label
 from mitlplan.workspace.compress import PlannedStay, compress, look_alike
 from mitlplan.workspace.names import GridNames
@@ -261,6 +259,8 @@ def shortest_tour(workspace: Workspace, starts: Sequence[int], core: Core, limit
     if not shown.visits or min(workspace.durations, default=0) == 0:
         return Tour()
     ways = _ways_from(workspace, starts, shown.from_start)
+    if (ways.ticks == FARTHEST).any():
+        return Tour()
     places = _places(workspace, shown, np.isfinite(ways.ticks))
     if any(len(cells) == 0 for _, cells in places):
         return Tour(possible=False)
@@ -328,19 +328,20 @@ class _Ways:
 def _ways_from(workspace: Workspace, starts: Sequence[int], through: Core) -> _Ways:
     count = workspace.cell_count
     scale = lcm(*(duration.denominator for duration in workspace.durations))
-    ticks = np.array([float(duration * scale) for duration in workspace.durations])[workspace.least]
+    ticks = np.array([int(duration * scale) for duration in workspace.durations], dtype=np.int64)
     where = _where(workspace, through)
-    starts = [start for start in starts if where[start]]
-    if not starts:
-        return _Ways(np.full(count, np.inf), np.full(count, -1, dtype=np.int32), scale)
     allowed = where[workspace.target]
-    # A sparse matrix adds up entries of the same place: of parallel moves only the shortest is to count.
-    order = np.lexsort((ticks, workspace.target, workspace.source))
-    ends = np.stack([workspace.source, workspace.target])[:, order]
-    first = np.append(True, np.any(ends[:, 1:] != ends[:, :-1], axis=0))[: len(order)] & allowed[order]
-    graph = csr_array((ticks[order][first], (ends[0, first], ends[1, first])), shape=(count, count))
-    reached, before, _ = dijkstra(graph, indices=starts, min_only=True, return_predecessors=True)
-    return _Ways(reached, before, scale)
+    source, target, least = (
+        column if allowed.all() else column[allowed]
+        for column in (workspace.source, workspace.target, workspace.least)
+    )
+    begins = np.array([start for start in starts if where[start]], dtype=np.int32)
+    reached = nearest(count, target, source, least, ticks, [begins])[0]
+    before = np.full(count, -1, dtype=np.int32)
+    # Every move takes time, so what comes last on a fastest way comes from a place that is nearer.
+    last = (reached[source] >= 0) & (reached[source] + ticks[least] == reached[target])
+    before[target[last]] = source[last]
+    return _Ways(np.where(reached < 0, np.inf, reached), before, scale)
 
 
 _Place = tuple[Visit, NDArray[np.intp]]
@@ -407,26 +408,7 @@ def _joint(
     there is it home.
     """
     count = workspace.cell_count
-    durations = [int(duration * ways.scale) for duration in workspace.durations]
-    times = np.array(durations, dtype=np.int64)[workspace.least]
-    enters = np.isfinite(ways.ticks[workspace.source])
-    extra = ways.ticks[workspace.source[enters]].astype(np.int64)
-    source = np.concatenate([workspace.source, workspace.source[enters], workspace.source + count])
-    target = np.concatenate([workspace.target, workspace.target[enters] + count, workspace.target + count])
-    ticks = np.concatenate([times, times[enters] + extra, times])
-    order = np.lexsort((ticks, target, source))
-    distinct, least = np.unique(ticks[order], return_inverse=True)
-    twice = Workspace(
-        names=GridNames((1, 2 * count), np.arange(2 * count)),
-        label_sets=workspace.label_sets,
-        label_of=np.tile(workspace.label_of, 2),
-        source=source[order],
-        target=target[order],
-        durations=tuple(Fraction(tick, ways.scale) for tick in distinct.tolist()),
-        least=least.reshape(-1).astype(np.int32),
-        most=np.full(len(order), UNLIMITED, dtype=np.int32),
-        waiting=True,
-    )
+    twice = _with_copy(workspace, ways)
     others = [visit.label for visit, cells in places if home not in cells]
     walk = seeker.walk(_with_home(twice, home + count), (home,), others, _HOME)
     if walk is None:
@@ -436,6 +418,43 @@ def _joint(
     before, duration = stays[entry]
     stays[entry] = before, duration - Fraction(int(ways.ticks[before]), ways.scale)
     return ways.to(before), (*stays[entry:], *stays[:entry])
+
+
+def _with_copy(workspace: Workspace, ways: _Ways) -> Workspace:
+    """The map and a copy: every move leads there as well, and takes longer by the way to where it begins."""
+    count = workspace.cell_count
+    durations = [int(duration * ways.scale) for duration in workspace.durations]
+    times = np.array(durations, dtype=np.int64)[workspace.least]
+    enters = np.isfinite(ways.ticks[workspace.source])
+    extra = ways.ticks[workspace.source[enters]].astype(np.int64)
+    source = np.concatenate([workspace.source, workspace.source[enters], workspace.source + count])
+    target = np.concatenate([workspace.target, workspace.target[enters] + count, workspace.target + count])
+    ticks = np.concatenate([times, times[enters] + extra, times])
+    # The moves of each copy are in order, and the first copy comes first: only sources have to be merged.
+    order = np.argsort(source, kind="stable")
+    distinct, least = _distinct(ticks[order])
+    return Workspace(
+        names=GridNames((1, 2 * count), np.arange(2 * count)),
+        label_sets=workspace.label_sets,
+        label_of=np.tile(workspace.label_of, 2),
+        source=source[order],
+        target=target[order],
+        durations=tuple(Fraction(tick, ways.scale) for tick in distinct.tolist()),
+        least=least,
+        most=np.full(len(order), UNLIMITED, dtype=np.int32),
+        waiting=True,
+    )
+
+
+def _distinct(ticks: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+    """The distinct times in order, and the number of each among them."""
+    largest = int(ticks.max(initial=0))
+    if largest > len(ticks):
+        distinct, which = np.unique(ticks, return_inverse=True)
+        return distinct, which.reshape(-1).astype(np.int32)
+    occurs = np.zeros(largest + 1, dtype=np.bool_)
+    occurs[ticks] = True
+    return np.flatnonzero(occurs), (np.cumsum(occurs, dtype=np.int32) - 1)[ticks]
 
 
 def _with_home(workspace: Workspace, home: int) -> Workspace:

@@ -58,7 +58,8 @@ def test_the_earliest_times_are_exact() -> None:
         ),
     )
     trace = earliest(network, [FIRST, SECOND])
-    assert trace == Trace((FIRST, SECOND), (Fraction(1, 3), Fraction(16, 21)), True, Fraction(16, 21))
+    end = Fraction(16, 21)
+    assert trace == Trace((FIRST, SECOND), (Fraction(1, 3), end), attained=True, least=end, end=end)
 
 
 def test_an_early_move_may_have_to_wait_for_a_late_one() -> None:

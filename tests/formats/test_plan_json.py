@@ -39,10 +39,11 @@ def test_a_plan_whole() -> None:
         '  {"cell": "pos1", "enter": "1", "leave": "7/2", "holds": ["A", "B"], "slack": null}],\n'
         ' "loop": null,\n'
         ' "checked": true,\n'
+        ' "fault": null,\n'
         ' "reason": null,\n'
         ' "conflict": [],\n'
-        ' "statistics": {"construction": "compact", "locations": 12, "edges": 40, "zones": 31, '
-        '"seconds": {"read": 0.01, "search": 0.002}}}\n'
+        ' "statistics": {"engine": "zones", "construction": "compact", "locations": 12, "edges": 40, '
+        '"zones": 31, "seconds": {"read": 0.01, "search": 0.002}}}\n'
     )
 
 

@@ -43,7 +43,7 @@ def test_the_whole_text_of_a_small_model() -> None:
     assert write_tchecker(Network((gate,), ("z", "t")), query, bound=Fraction(1, 3), notes=["the gate"]) == (
         "# A time unit is 1/6 s: every constant was multiplied by 6.\n"
         "# the gate\n"
-        "# tck-reach -a reach -l goal0\n"
+        "# tck-reach -a covreach -l goal0\n"
         "system:mitlplan\n"
         "clock:1:z\n"
         "clock:1:t\n"
@@ -88,7 +88,7 @@ def test_everything_but_stopped_clocks_is_written() -> None:
     ]
     with pytest.raises(ToolError, match="no stopped clocks"):
         write_tchecker(both, one)
-    with pytest.raises(ToolError, match="one set of locations"):
+    with pytest.raises(ToolError, match="locations alone, in each automaton independently"):
         write_tchecker(running, query)
 
 

@@ -11,14 +11,12 @@ import pytest
 
 from mitlplan.automata.lockstep import Lockstep, lockstep
 from mitlplan.automata.timed_automaton import Network
-from mitlplan.automata.trace import Trace, execute, stays
+from mitlplan.automata.trace import execute, stays
 from mitlplan.errors import ToolError
 from mitlplan.formats.identifiers import with_identifiers
 from mitlplan.formats.uppaal import KEYWORDS, bounds, comparison, update
 from mitlplan.formats.verifyta import (
     VARIABLE,
-    Spurious,
-    Unreachable,
     Verdict,
     fastest_trace,
     find_verifyta,
@@ -27,6 +25,8 @@ from mitlplan.formats.verifyta import (
 )
 from mitlplan.logic.normalize import normalize
 from mitlplan.logic.parse import parse
+from mitlplan.search import reach as native
+from mitlplan.search.fastest import Limits, Stopped
 from mitlplan.translation.seed.published_network import PublishedModel, published_model
 from mitlplan.translation.seed.repaired import translate
 from tests.oracles.published_reach import Reached, reach
@@ -216,9 +216,10 @@ def test_the_fastest_trace_gets_exact_times(
     output, errors = (recorded, "") if together else split(recorded)
     model = phi(number)
     verifyta = pretended(tmp_path, output=output, errors=errors)
-    trace = fastest_trace(model.network, model.query, verifyta=verifyta)
-    assert isinstance(trace, Trace)
-    assert (trace.times[-1], trace.attained) == (least, True)
+    answer = fastest_trace(model.network, model.query, verifyta=verifyta)
+    assert isinstance(answer, native.Reached)
+    trace = answer.trace
+    assert (trace.end, trace.attained, answer.bound) == (least, True, least)
     assert execute(model.network, trace) is None
     cells = [cell for cell, _ in stays(model.network, trace, 0, model.cells)]
     assert cells == ([0, 1, 0, 3] if number == 1 else [0, 3, 0])
@@ -227,25 +228,35 @@ def test_the_fastest_trace_gets_exact_times(
 def test_an_unreachable_target_and_a_trace_that_is_none(tmp_path: Path) -> None:
     model = phi(1)
     unreachable = pretended(tmp_path, output=" -- Formula is NOT satisfied.\n")
-    assert fastest_trace(model.network, model.query, verifyta=unreachable) == Unreachable()
+    answer = fastest_trace(model.network, model.query, verifyta=unreachable)
+    assert answer == native.Unreachable(native.Effort())
     skipped = OLD.replace("  sys.loc0->sys.loc2", "  sys.loc2->sys.loc1")
     spurious = pretended(tmp_path, output=skipped.replace("is satisfied", "MAY be satisfied"))
-    assert fastest_trace(model.network, model.query, verifyta=spurious) == Spurious()
+    assert isinstance(fastest_trace(model.network, model.query, verifyta=spurious), native.Unknown)
 
 
 def test_failures_are_told_in_a_sentence(tmp_path: Path) -> None:
     model = phi(1)
 
-    def problem(verifyta: Path, time_limit: float | None = None) -> str:
+    def problem(verifyta: Path) -> str:
         with pytest.raises(ToolError) as caught:
-            fastest_trace(model.network, model.query, verifyta=verifyta, time_limit=time_limit)
+            fastest_trace(model.network, model.query, verifyta=verifyta)
         return str(caught.value)
 
     licence = pretended(tmp_path, errors="Licence expired\nPlease renew.\n", code=1)
     assert problem(licence) == "verifyta gave no verdict: Please renew."
     assert problem(pretended(tmp_path)) == "verifyta gave no verdict: it said nothing at all"
-    assert problem(pretended(tmp_path, seconds=9), 0.2) == "verifyta was stopped after 0.2 s"
     assert problem(tmp_path / "nothing").endswith("cannot be run: No such file or directory")
+
+
+def test_limits_stop_the_program(tmp_path: Path) -> None:
+    model = phi(1)
+    slow = pretended(tmp_path, seconds=9)
+    answer = fastest_trace(model.network, model.query, Limits(seconds=0.2), verifyta=slow)
+    assert answer == Stopped("verifyta was stopped at the time limit of 0.2 s", None, 0)
+    full = pretended(tmp_path, errors="std::bad_alloc\n", code=134)
+    answer = fastest_trace(model.network, model.query, Limits(megabytes=500), verifyta=full)
+    assert answer == Stopped("verifyta reached the memory limit of 500 MB", None, 0)
 
 
 def test_where_the_program_is(tmp_path: Path) -> None:

@@ -165,6 +165,77 @@ def test_extrapolation_adds_only_simulated_points(
     assert any(not restricted(slow, choice).empty for choice in product(*choices))
 
 
+quarters = st.integers(0, 36).map(lambda k: Fraction(k, 4))
+
+
+@given(zones(3), zones(3), constants_for(3), constants_for(3), st.tuples(quarters, quarters))
+def test_what_a_zone_simulates_it_simulates_point_by_point(
+    outer: tuple[Zone, MatrixZone],
+    inner: tuple[Zone, MatrixZone],
+    lower: list[int | None],
+    upper: list[int | None],
+    point: tuple[Fraction, Fraction],
+) -> None:
+    if outer[0].simulates(inner[0], lower, upper) and inner[1].contains(point):
+        assert mimicked(outer[1], point, lower, upper)
+
+
+@settings(max_examples=60)
+@given(zones(3), zones(3), constants_for(3), constants_for(3))
+def test_what_a_zone_does_not_simulate_has_a_point_that_shows_it(
+    outer: tuple[Zone, MatrixZone],
+    inner: tuple[Zone, MatrixZone],
+    lower: list[int | None],
+    upper: list[int | None],
+) -> None:
+    """With two clocks and integer bounds of at most 6, some point on quarters up to 9 tells them apart."""
+    if outer[0].simulates(inner[0], lower, upper):
+        return
+    grid = [Fraction(k, 4) for k in range(37)]
+    inside = (point for point in product(grid, grid) if inner[1].contains(point))
+    assert not all(mimicked(outer[1], point, lower, upper) for point in inside)
+
+
+@given(zones(4), constants_for(4), constants_for(4))
+def test_a_zone_simulates_what_extrapolation_adds(
+    pair: tuple[Zone, MatrixZone], lower: list[int | None], upper: list[int | None]
+) -> None:
+    zone, _ = pair
+    assert zone.simulates(zone.extrapolate_lu_plus(lower, upper), lower, upper)
+
+
+def mimicked(
+    zone: MatrixZone, point: Sequence[Fraction], lower: Sequence[int | None], upper: Sequence[int | None]
+) -> bool:
+    """Whether some valuation of `zone` can do what `point` can: a box of them is looked for."""
+    for i, value in enumerate(point, start=1):
+        if not exceeds(value, upper[i]):
+            zone = zone.constrain(i, 0, (value, False))
+        if not exceeds(value, lower[i]):
+            zone = zone.constrain(0, i, (-value, False))
+        elif (least := lower[i]) is not None:
+            zone = zone.constrain(0, i, (-least, True))
+    return not zone.empty
+
+
+@given(zones(4), st.sets(st.integers(1, 3)), st.tuples(halves, halves, halves), halves)
+def test_time_that_passes_for_some_clocks(
+    pair: tuple[Zone, MatrixZone], stopped: set[int], point: tuple[Fraction, ...], delay: Fraction
+) -> None:
+    """Nothing possible is left out, nothing possible is far off, and without stopped clocks it is exact."""
+    zone, slow = pair
+    later = zone.up_partly(sorted(stopped))
+    moved = [value if i in stopped else value + delay for i, value in enumerate(point, start=1)]
+    if slow.contains(point):
+        assert contains(later, moved)
+    for i, j in product(range(4), range(4)):
+        runs_away = i not in stopped | {0} and (j == 0 or j in stopped)
+        assert later.empty or later.at(i, j) == (None if runs_away else zone.at(i, j))
+    if not stopped:
+        assert later == zone.up()
+    assert_same(later, slow if slow.closed is None else MatrixZone.of(entries(later)))
+
+
 Constraint = tuple[int, int, Bound]
 
 
@@ -277,6 +348,10 @@ def test_a_negative_cycle_of_large_numbers_is_empty_and_no_overflow() -> None:
         lambda zone: zone.intersects(Zone.zero(4)),
         lambda zone: zone.extrapolate_lu_plus([None] * 2, [None] * 3),
         lambda zone: zone.extrapolate_lu_plus([None] * 3, [None, -1, None]),
+        lambda zone: zone.simulates(Zone.zero(2), [None] * 3, [None] * 3),
+        lambda zone: zone.simulates(zone, [None] * 2, [None] * 3),
+        lambda zone: zone.up_partly([3]),
+        lambda zone: zone.up_partly([0]),
         lambda zone: zone.remap([]),
         lambda zone: zone.remap([1, 0]),
         lambda zone: zone.remap([0, -2]),

@@ -41,12 +41,12 @@ def reach(
     network: Network, query: Query, *, resolution: int = 1, latest: Fraction = Fraction(100)
 ) -> Reached | None:
     """The fastest way to a target on the grid, or ``None`` if there is none up to `latest`."""
-    runner = _Runner(network, resolution)
+    runner = _Runner(network, query, resolution)
     return runner.search(query, int(latest * resolution))
 
 
 class _Runner:
-    def __init__(self, network: Network, resolution: int) -> None:
+    def __init__(self, network: Network, query: Query, resolution: int) -> None:
         self.network = network
         self.resolution = resolution
         self.clock = {name: index for index, name in enumerate(network.clocks)}
@@ -62,6 +62,7 @@ class _Runner:
         ]
         guards = [location.invariant for each in network.automata for location in each.locations]
         guards += [edge.guard for each in network.automata for edge in each.edges]
+        guards += [target.guard for target in query.targets]
         self.oldest = max((int(each.bound * resolution) for guard in guards for each in guard), default=0) + 1
 
     def search(self, query: Query, latest: int) -> Reached | None:
@@ -70,6 +71,8 @@ class _Runner:
             (0,) * len(self.clock),
             tuple(variable.initial for variable in self.network.variables),
         )
+        if not self.within_invariants(begin):
+            return None
         before: dict[State, tuple[State, int, Move] | None] = {begin: None}
         now, later = deque([begin]), deque[State]()
         for time in range(latest + 1):
@@ -138,9 +141,12 @@ class _Runner:
             age if name in stopped else min(age + 1, self.oldest)
             for name, age in zip(self.clock, state.ages, strict=True)
         )
-        if not all(self.satisfied(location.invariant, ages) for location in located):
-            return None
-        return State(state.locations, ages, state.values)
+        older = State(state.locations, ages, state.values)
+        return older if self.within_invariants(older) else None
+
+    def within_invariants(self, state: State) -> bool:
+        here = zip(self.network.automata, state.locations, strict=True)
+        return all(self.satisfied(each.locations[at].invariant, state.ages) for each, at in here)
 
     def moves(self, state: State) -> Iterator[tuple[Move, State]]:
         committed = [
@@ -193,11 +199,10 @@ class _Runner:
             for clock in edge.resets:
                 ages[self.clock[clock]] = 0
             for assignment in edge.assignments:
-                values[assignment.variable] = value_of(assignment.value, values)
-        if any(not low <= values[name] <= high for name, (low, high) in self.bounds.items()):
-            return None
+                name = assignment.variable
+                values[name] = value_of(assignment.value, values)
+                low, high = self.bounds[name]
+                if not low <= values[name] <= high:
+                    return None
         after = State(tuple(locations), tuple(ages), tuple(values.values()))
-        located = [
-            each.locations[at] for each, at in zip(self.network.automata, after.locations, strict=True)
-        ]
-        return after if all(self.satisfied(location.invariant, after.ages) for location in located) else None
+        return after if self.within_invariants(after) else None

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 from typing import Any
 
 import numpy as np
@@ -35,6 +35,42 @@ def strays(trajectory: Trajectory, step: Fraction) -> float:
     assert (samples.time >= enters[samples.visit])[within].all()
     assert (samples.time < np.append(enters[1:], np.inf)[samples.visit])[within].all()
     return float(outside.max())
+
+
+def clearance(trajectory: Trajectory, step: Fraction) -> float:
+    """The least distance, in metres, to the border of the cell the robot is in, the doors it uses left out.
+
+    The border is taken as many points; those in a door through which the robot came or will go are no wall.
+    """
+    samples = trajectory.sample(step)
+    least = np.inf
+    for number, visit in enumerate(trajectory.visits):
+        here = samples.visit == number
+        if not here.any():
+            continue
+        sides = np.linspace(-0.5, 0.5, 401)
+        ends = np.full(sides.shape, 0.5)
+        border = [(sides, ends), (sides, -ends), (ends, sides), (-ends, sides)]
+        x = np.concatenate([across for across, _ in border]) * visit.ground.width + visit.ground.x
+        y = np.concatenate([up for _, up in border]) * visit.ground.height + visit.ground.y
+        wall = np.ones(x.shape, dtype=bool)
+        # A loop goes on from its last visit to the one behind its first.
+        beside = [
+            *trajectory.visits[max(number - 1, 0) : number],
+            *trajectory.visits[number + 1 : number + 2],
+        ]
+        if trajectory.repeat_from is not None and number == len(trajectory.visits) - 1:
+            beside += [visit for visit in trajectory.visits if visit.enter == trajectory.repeat_from]
+        for other in (one.ground for one in beside):
+            inside_x = np.abs(x - other.x) < other.width / 2 - 1e-9
+            inside_y = np.abs(y - other.y) < other.height / 2 - 1e-9
+            shared_x = np.isclose(np.abs(x - other.x), other.width / 2)
+            shared_y = np.isclose(np.abs(y - other.y), other.height / 2)
+            wall &= ~((inside_x & shared_y) | (inside_y & shared_x))
+        course = samples.course
+        gaps = np.hypot(course.x[here, None] - x[wall], course.y[here, None] - y[wall])
+        least = min(least, float(gaps.min()))
+    return float(least)
 
 
 def crosses_at_doors(trajectory: Trajectory) -> bool:
@@ -75,13 +111,15 @@ def collocated(
     rho: float = 1.0,
     duration: float = 1.0,
     forward: bool = False,
+    circles: Sequence[float | None] = (),
     elements: int = 12,
     degree: int = 5,
     seed: int = 0,
 ) -> float:
     """The least cost, in `duration` seconds, from the origin by way of all `goals`; ``None`` is free.
 
-    The cost is the integral of ``rho * u**2 + w**2``. A phase leads to each goal, as long as is cheapest.
+    The cost is the integral of ``rho * u**2 + w**2``. A phase leads to each goal, as long as is cheapest; on
+    one of the `circles` the robot must go round with that radius.
     """
     import casadi
 
@@ -93,7 +131,7 @@ def collocated(
     lengths = []
     now: Any = casadi.DM([0.0, 0.0, 0.0])
     guess = np.zeros(3)
-    for goal in goals:
+    for goal, circle in zip_longest(goals, circles):
         length = problem.variable()
         problem.set_initial(length, duration / len(goals))
         problem.subject_to(length >= 0.01)
@@ -110,6 +148,8 @@ def collocated(
                 u, w = controls[0, place - 1], controls[1, place - 1]
                 if forward:
                     problem.subject_to(u >= 0)
+                if circle is not None:
+                    problem.subject_to(u == circle * w)
                 motion = casadi.vertcat(u * casadi.cos(state[2]), u * casadi.sin(state[2]), w)
                 problem.subject_to(
                     step * motion == sum(slope[r, place] * states[r] for r in range(degree + 1))

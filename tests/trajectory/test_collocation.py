@@ -9,8 +9,9 @@ import pytest
 
 from mitlplan.trajectory.boundary import connect, cost_of_way, end_of_way
 from mitlplan.trajectory.leg import Weights
-from mitlplan.trajectory.motion import Style, straight, turn_left, u_turn
+from mitlplan.trajectory.motion import Style, turn_left, u_turn
 from mitlplan.trajectory.pose import Pose
+from tests.trajectory.elementary import ELEMENTARY, Elementary, through_the_centre
 from tests.trajectory.oracles import collocated
 
 pytest.importorskip("casadi")
@@ -18,34 +19,31 @@ pytest.importorskip("casadi")
 EQUAL = Weights()
 
 
-def test_straight_on() -> None:
-    assert collocated([(1.0, 0.0, 0.0)]) == pytest.approx(straight(1.0, EQUAL).cost, abs=1e-6)
+@pytest.mark.parametrize("motion", ELEMENTARY, ids=lambda one: one.name)
+def test_elementary_motions(motion: Elementary) -> None:
+    assert motion.collocated() == pytest.approx(motion.cost, abs=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("ahead", "aside", "rho"), [(0.5, 0.5, 1.0), (0.5, 0.5, 9.0), (1.0, 0.5, 1.0), (0.5, 1.0, 0.3)]
-)
+def test_the_three_point_turn_reaches_the_line_through_the_centre_and_not_the_centre() -> None:
+    """What it costs to reach the line, and what it would cost to go through the centre itself."""
+    assert u_turn(0.5, EQUAL).cost == pytest.approx(12.0567588, abs=1e-7)  # type: ignore[union-attr]
+    assert through_the_centre() == pytest.approx(13.0033489, abs=1e-6)
+
+
+@pytest.mark.parametrize(("ahead", "aside", "rho"), [(0.5, 0.5, 9.0), (1.0, 0.5, 1.0), (0.5, 1.0, 0.3)])
 def test_quarter_turns(ahead: float, aside: float, rho: float) -> None:
     turn = turn_left(ahead, aside, Weights(rho, 1.0))
     assert turn is not None
     assert collocated([(ahead, aside, math.pi / 2)], rho=rho) == pytest.approx(turn.cost, abs=1e-6)
 
 
-@pytest.mark.parametrize(("depth", "rho"), [(0.5, 1.0), (0.3, 4.0)])
+@pytest.mark.parametrize(("depth", "rho"), [(0.5, 9.0), (0.3, 4.0)])
 def test_the_three_point_turn(depth: float, rho: float) -> None:
     """One goal on the line through the centre, its place along the line and its heading free."""
     turn = u_turn(depth, Weights(rho, 1.0))
     assert turn is not None
     found = collocated([(depth, None, None), (0.0, 0.0, math.pi)], rho=rho)
     assert found == pytest.approx(turn.cost, abs=1e-6)
-
-
-def test_the_forward_only_turn() -> None:
-    """To the centre, then to the heading half way: the kink at u = 0 is where phases meet."""
-    turn = u_turn(0.5, EQUAL, Style.FORWARD_ONLY)
-    assert turn is not None
-    half = collocated([(0.5, 0.0, None), (0.5, 0.0, math.pi / 2)], forward=True)
-    assert 4 * half == pytest.approx(turn.cost, abs=1e-6)
 
 
 @pytest.mark.parametrize(

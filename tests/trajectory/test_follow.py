@@ -18,7 +18,7 @@ from mitlplan.trajectory.profile import Profile
 from mitlplan.trajectory.robot import Driving, Robot
 from mitlplan.trajectory.trajectory import Trajectory
 from mitlplan.workspace import Move, Workspace, graph, grid
-from tests.trajectory.oracles import crosses_at_doors, integrated, strays
+from tests.trajectory.oracles import clearance, crosses_at_doors, integrated, strays
 from tests.trajectory.strategies import plan_of, plans
 
 ONE, HALF = Fraction(1), Fraction(1, 2)
@@ -33,7 +33,9 @@ def lands(trajectory: Trajectory) -> bool:
     jumps = [0.0]
     for piece in trajectory.pieces:
         begin, duration = float(piece.begin), float(piece.duration)
-        shares = np.cumsum([leg.duration for stroke in piece.motion.strokes for leg in stroke])
+        even = piece.motion.profile is Profile.EVEN
+        parts = [[leg.duration for leg in stroke] for stroke in piece.motion.strokes]
+        shares = np.cumsum([part for stroke in parts for part in (stroke if even else [sum(stroke)])])
         jumps += [*(begin + duration * shares[:-1]).tolist(), begin + duration]
 
     def controls(time: float) -> tuple[float, float]:
@@ -82,6 +84,7 @@ def test_loops_close(case: tuple[Workspace, Plan], driving: Driving) -> None:
     assert trajectory.repeat_from is not None
     assert trajectory.end - trajectory.repeat_from == plan.loop.period
     assert strays(trajectory, Fraction(1, 50)) <= 1e-9
+    assert crosses_at_doors(trajectory)
     times = np.linspace(0.0, 3 * float(trajectory.end), 500)
     course = trajectory.sample_at(times).course
     end = trajectory.sample_at(np.array([float(trajectory.end)])).course
@@ -91,11 +94,31 @@ def test_loops_close(case: tuple[Workspace, Plan], driving: Driving) -> None:
     assert np.abs(np.diff(course.heading)).max() <= np.abs(course.w).max() * (times[1] - times[0]) * 3 + 1e-9
 
 
-@given(plans(), drivings)
-@settings(max_examples=5)
-def test_the_controls_lead_to_the_end(case: tuple[Workspace, Plan], driving: Driving) -> None:
+@given(st.one_of(plans(), plans(loops=True)), drivings, st.sampled_from(Waiting))
+@settings(max_examples=8)
+def test_the_controls_lead_to_the_end(
+    case: tuple[Workspace, Plan], driving: Driving, waiting: Waiting
+) -> None:
     workspace, plan = case
-    assert lands(follow(plan, workspace, driving=replace(driving, profile=Profile.EVEN)))
+    assert lands(follow(plan, workspace, driving=driving, waiting=waiting))
+
+
+@given(
+    st.one_of(plans(), plans(loops=True)),
+    drivings,
+    st.sampled_from(Waiting),
+    st.sampled_from([Fraction(1, 10), Fraction(1, 5), Fraction(6, 25)]),
+)
+@settings(max_examples=40)
+def test_a_robot_with_a_size_touches_no_wall(
+    case: tuple[Workspace, Plan], driving: Driving, waiting: Waiting, radius: Fraction
+) -> None:
+    """The narrowest cells are half a metre wide, so there is always a way for these."""
+    workspace, plan = case
+    trajectory = follow(plan, workspace, robot=Robot(radius=radius), driving=driving, waiting=waiting)
+    assert clearance(trajectory, Fraction(1, 50)) >= float(radius) - 1e-9
+    assert strays(trajectory, Fraction(1, 50)) <= 1e-9
+    assert crosses_at_doors(trajectory)
 
 
 def test_the_paper_walks() -> None:

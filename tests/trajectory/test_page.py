@@ -14,7 +14,8 @@ from mitlplan.formats.trajectory_csv import trajectory_to_csv
 from mitlplan.mission import read
 from mitlplan.plan import Plan
 from mitlplan.planner import plan
-from mitlplan.trajectory import Profile, Style, Weights, follow, straight, turn_left, u_turn
+from mitlplan.trajectory import Profile, Style, Weights, follow, turn_left, u_turn
+from tests.trajectory.elementary import ELEMENTARY
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "trajectory.md").read_text(encoding="utf-8")
@@ -35,22 +36,13 @@ def cost(first: str, name: str) -> float:
 def test_the_table_of_costs() -> None:
     turn = turn_left(0.5, 0.5, EQUAL)
     assert turn is not None
-    expected = {
-        "forward": straight(1.0, EQUAL),
-        "half forward (start, stop)": straight(0.5, EQUAL),
-        "quarter turn": turn,
-        "quarter turn, `arc` (the paper's circle)": turn_left(0.5, 0.5, EQUAL, Style.ARC),
-        "quarter turn, `spot`": turn_left(0.5, 0.5, EQUAL, Style.SPOT),
-        "U-turn, `three-point`": u_turn(0.5, EQUAL),
-        "U-turn, `forward-only`": u_turn(0.5, EQUAL, Style.FORWARD_ONLY),
-        "U-turn, `spot`": u_turn(0.5, EQUAL, Style.SPOT),
-        "quarter turn, cubic profile": turn.smoothed(Profile.CUBIC),
-        "quarter turn, quintic profile": turn.smoothed(Profile.QUINTIC),
+    expected = {one.name: one.cost for one in ELEMENTARY} | {
+        "quarter turn, cubic profile": turn.smoothed(Profile.CUBIC).cost,
+        "quarter turn, quintic profile": turn.smoothed(Profile.QUINTIC).cost,
     }
     assert list(table("motion")) == list(expected)
-    for name, motion in expected.items():
-        assert motion is not None
-        assert cost("motion", name) == pytest.approx(motion.cost, abs=6e-10)
+    for name, value in expected.items():
+        assert cost("motion", name) == pytest.approx(value, abs=6e-10)
 
 
 def test_the_table_of_rectangles() -> None:

@@ -88,12 +88,14 @@ class _Lockstep:
 
     def build(self) -> Lockstep:
         for transducer in self.source.transducers:
+            for location in transducer.locations:
+                for constraint in location.invariant:
+                    self.clock(constraint.clock)
             for edge in (*transducer.edges, *transducer.endings, *transducer.parkings):
                 for signal in sorted(edge.requires | edge.excludes):
                     self.signals.setdefault(signal, f"s[{len(self.signals)}]")
                 for clock in sorted({each.clock for each in edge.guard} | edge.resets):
-                    if clock != TIME:
-                        self.clocks.setdefault(clock, f"x[{len(self.clocks)}]")
+                    self.clock(clock)
         robot, cells = self.robot()
         watchers = [self.watcher(place) for place in range(len(self.source.transducers))]
         kinds = [kind for kind in _TURNS if kind != "park" or self.parks]
@@ -112,6 +114,11 @@ class _Lockstep:
                 f"{shown} is {meant}" for shown, meant in self._meant(self.signals) + self._meant(self.clocks)
             ),
         )
+
+    def clock(self, meaning: str) -> None:
+        """See to it that a clock of the transducers has a name."""
+        if meaning != TIME:
+            self.clocks.setdefault(meaning, f"x[{len(self.clocks)}]")
 
     def _meant(self, shown: dict[str, str]) -> list[tuple[str, str]]:
         return [(name, meaning) for meaning, name in shown.items()]

@@ -18,6 +18,7 @@ from mitlplan.automata.timed_automaton import (
     Edge,
     Location,
     Network,
+    Target,
     Urgency,
     holds,
     ticks_per_second,
@@ -43,13 +44,16 @@ class Trace:
     attained
         Whether no other times for the same moves end earlier; otherwise their infimum is `least`.
     least
-        The infimum of the time of the last move.
+        The infimum of the time of the end.
+    end
+        When all is done: not before the last move, but later where the target asks for a delay.
     """
 
     moves: tuple[Move, ...]
     times: tuple[Fraction, ...]
     attained: bool = True
     least: Fraction = Fraction(0)
+    end: Fraction = Fraction(0)
 
 
 @dataclass(slots=True)
@@ -108,8 +112,13 @@ def stays(
 # -- execution -----------------------------------------------------------------------------------------
 
 
-def execute(network: Network, trace: Trace) -> str | None:
+def execute(network: Network, trace: Trace, target: Target | None = None) -> str | None:
     """Make the moves at their times, and say what is wrong with the first that cannot be made.
+
+    Parameters
+    ----------
+    target
+        What must hold at the end, if anything.
 
     Returns
     -------
@@ -128,7 +137,25 @@ def execute(network: Network, trace: Trace) -> str | None:
         if problem := _delayed(network, state, time - now) or _moved(network, state, move):
             return f"at {time}: {problem}"
         now = time
+    if target is None:
+        return None
+    if problem := _delayed(network, state, trace.end - now) or _missed(network, state, target):
+        return f"at {trace.end}: {problem}"
     return None
+
+
+def _missed(network: Network, state: _State, target: Target) -> str:
+    """What `target` asks for and the state has not."""
+    for automaton, at in zip(network.automata, _locations(network, state.locations), strict=True):
+        wanted = target.locations.get(automaton.name, at.name)
+        if wanted != at.name:
+            return f"{automaton.name} is in {at.name}, not in {wanted}"
+    for constraint in target.guard:
+        if not _compared(state.clocks[constraint.clock], constraint.relation, constraint.bound):
+            return f"{constraint} does not hold"
+    if not all(holds(test, state.values) for test in target.tests):
+        return "a test of the target does not hold"
+    return ""
 
 
 def _delayed(network: Network, state: _State, delay: Fraction) -> str:
@@ -181,10 +208,15 @@ def _moved(network: Network, state: _State, move: Move) -> str:
         state.clocks.update(dict.fromkeys(edge.resets, Fraction(0)))
         for assignment in edge.assignments:
             state.values[assignment.variable] = value_of(assignment.value, state.values)
-    for variable in network.variables:
-        if not variable.least <= state.values[variable.name] <= variable.most:
-            return f"{variable.name} leaves its range"
+            if problem := _out_of_range(network, state, assignment.variable):
+                return problem
     return _broken_invariant(network, state)
+
+
+def _out_of_range(network: Network, state: _State, name: str) -> str:
+    variable = next(each for each in network.variables if each.name == name)
+    inside = variable.least <= state.values[name] <= variable.most
+    return "" if inside else f"{name} leaves its range"
 
 
 def _enabled(clocks: Mapping[str, Fraction], values: Mapping[str, int], edge: Edge) -> bool:
@@ -231,12 +263,21 @@ def _left_out(network: Network, state: _State, channel: str, taking_part: set[in
 
 
 def earliest(
-    network: Network, moves: Sequence[Move], *, epsilon: Fraction = Fraction(1, 1000)
+    network: Network,
+    moves: Sequence[Move],
+    target: Target | None = None,
+    *,
+    epsilon: Fraction = Fraction(1, 1000),
 ) -> Trace | None:
     """The earliest times at which `moves` can be made one after the other; ``None`` if they cannot.
 
+    By a linear program, for clocks that may stand still. :func:`mitlplan.search.timing.earliest` solves what
+    needs none.
+
     Parameters
     ----------
+    target
+        What must hold at the end.
     epsilon
         How far above the infimum the last move may be made if the infimum is not attained, in seconds.
 
@@ -249,20 +290,21 @@ def earliest(
     >>> earliest(Network((walk,), clocks=("z",)), [((0, 0),)]).times
     (Fraction(3, 2),)
     """
-    program = _Program(network, moves)
+    program = _Program(network, moves, () if target is None else target.guard)
     bottom = program.least(Fraction(0))
     if bottom is None:
         return None
-    least = bottom[-1] if bottom else Fraction(0)
-    trace = Trace(tuple(moves), bottom, attained=True, least=least)
-    if execute(network, trace) is None:
+    *times, least = bottom
+    trace = Trace(tuple(moves), tuple(times), attained=True, least=least, end=least)
+    if execute(network, trace, target) is None:
         return trace
     margin = epsilon / (len(moves) + 1)
     for _ in range(MOST_HALVINGS):
-        times = program.least(margin)
-        if times is not None:
-            trace = Trace(tuple(moves), times, attained=False, least=least)
-            if execute(network, trace) is None:
+        later = program.least(margin)
+        if later is not None:
+            *times, end = later
+            trace = Trace(tuple(moves), tuple(times), attained=False, least=least, end=end)
+            if execute(network, trace, target) is None:
                 return trace
         margin /= 2
     return None
@@ -273,18 +315,16 @@ _Row: TypeAlias = tuple[dict[int, int], Fraction, bool]
 
 
 class _Program:
-    """The linear program in the delays before each move."""
+    """The linear program in the delays before each move, and before the end."""
 
-    def __init__(self, network: Network, moves: Sequence[Move]) -> None:
-        self._count = len(moves)
+    def __init__(self, network: Network, moves: Sequence[Move], goal: Guard) -> None:
+        self._count = len(moves) + 1
         self._scale = ticks_per_second(network)
         self._rows: list[_Row] = []
         self._still: set[int] = set()
         running: dict[str, list[int]] = {clock: [] for clock in network.clocks}
         for step, here in enumerate(located(network, moves)):
             self._invariants(here, running)
-            if step == self._count:
-                break
             if any(location.urgency is not Urgency.NORMAL for location in here):
                 self._still.add(step)
             stopped = frozenset[str]().union(*(location.stopped for location in here))
@@ -292,6 +332,9 @@ class _Program:
                 if clock not in stopped:
                     delays.append(step)
             self._invariants(here, running)
+            if step == len(moves):
+                self._bounds(goal, running)
+                break
             for place, index in moves[step]:
                 self._bounds(network.automata[place].edges[index].guard, running)
             for place, index in moves[step]:
@@ -309,15 +352,13 @@ class _Program:
             self._rows.append((dict.fromkeys(running[each.clock], sign), sign * each.bound, strict))
 
     def least(self, margin: Fraction) -> tuple[Fraction, ...] | None:
-        """The times of the moves with the least last one, where strict bounds keep `margin` away."""
+        """The times of the moves and of the end, with the least end; strict bounds keep `margin` away."""
         import numpy as np
         from scipy import optimize
         from scipy.sparse import lil_matrix
 
         linprog: Any = optimize.linprog
 
-        if self._count == 0:
-            return ()
         matrix = lil_matrix((len(self._rows), self._count))
         limits = np.zeros(len(self._rows))
         for number, (coefficients, bound, strict) in enumerate(self._rows):
@@ -325,7 +366,7 @@ class _Program:
                 matrix[number, step] = sign
             limits[number] = float((bound - margin if strict else bound) * self._scale)
         ranges = [(0, 0 if step in self._still else None) for step in range(self._count)]
-        # The last move counts most; among equals, every move is made as early as may be.
+        # The end counts most; among equals, every move is made as early as may be.
         weights = self._count**2 + np.arange(self._count, 0, -1.0)
         solved = linprog(weights, A_ub=matrix.tocsr(), b_ub=limits, bounds=ranges)
         if solved.status != 0:

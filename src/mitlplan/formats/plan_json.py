@@ -40,6 +40,7 @@ def plan_to_mapping(outcome: Outcome) -> dict[str, Any]:
         "steps": [],
         "loop": None,
         "checked": False,
+        "fault": None,
         "reason": None,
         "conflict": [],
         "statistics": _statistics(outcome.statistics),
@@ -127,6 +128,7 @@ def _plan(plan: Plan) -> dict[str, Any]:
         "steps": [_step(step) for step in plan.steps],
         "loop": None if plan.loop is None else {"start": plan.loop.start, "period": _text(plan.loop.period)},
         "checked": plan.checked,
+        "fault": plan.fault,
     }
 
 
@@ -142,6 +144,7 @@ def _step(step: Step) -> dict[str, Any]:
 
 def _statistics(statistics: Statistics) -> dict[str, Any]:
     return {
+        "engine": statistics.engine,
         "construction": statistics.construction,
         "locations": statistics.locations,
         "edges": statistics.edges,

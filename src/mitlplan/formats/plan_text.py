@@ -82,6 +82,8 @@ def _show_plan(console: Console, plan: Plan) -> None:
     console.print(table)
     console.print(_ending(plan), soft_wrap=True)
     console.print(_summary(plan), style="bold", soft_wrap=True)
+    if plan.fault is not None:
+        console.print(f"violated, says the judge: {plan.fault}", style="bold red", soft_wrap=True)
 
 
 def _row(plan: Plan, number: int) -> tuple[str, str, str, str, str]:
@@ -138,8 +140,9 @@ def _show_statistics(console: Console, statistics: Statistics) -> None:
     if statistics == Statistics():
         return
     seconds = sum(statistics.seconds.values())
+    by = "" if statistics.engine == Statistics().engine else f", {statistics.engine}"
     console.print(
-        f"{statistics.construction}: {statistics.locations} locations, {statistics.edges} edges, "
+        f"{statistics.construction}{by}: {statistics.locations} locations, {statistics.edges} edges, "
         f"{statistics.zones} zones, {seconds:.2f} s",
         style="dim",
         soft_wrap=True,

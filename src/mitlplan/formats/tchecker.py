@@ -2,7 +2,7 @@
 
 Constants are integers as for UPPAAL. A channel becomes a pair of events and a synchronisation for each sender
 and receiver; a broadcast takes along whoever can. TChecker has no stopped clocks. Targets become labels:
-``tck-reach -a reach -l`` followed by the labels named in the first lines.
+``tck-reach -a covreach -l`` followed by the labels named in the first lines.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
+from math import prod
 
 from mitlplan.automata.timed_automaton import (
     Automaton,
@@ -38,16 +39,18 @@ def write_tchecker(
     Parameters
     ----------
     network, query
-        What is modelled, and the one target to be reached; only locations are asked for there.
+        What is modelled, and the locations to be reached: one of some in each automaton that is asked for.
     bound
-        A bound on the clock ``t``, in seconds, put on the edges into the target.
+        A bound on the clock ``t``, in seconds, put on the edges into these locations; where such an edge
+        hears a broadcast, and so may have no guard, on the location.
     notes
         Lines of comment.
 
     Raises
     ------
     ToolError
-        If the network stops clocks, or the query is not of that kind.
+        If the network stops clocks or asks something of an edge that hears a broadcast, or the query is
+        not of that kind.
 
     Examples
     --------
@@ -55,7 +58,7 @@ def write_tchecker(
     >>> walk = Automaton("robot", (Location("here"), Location("there")), (Edge(0, 1),))
     >>> print(write_tchecker(Network((walk,)), Query((Target({"robot": "there"}),))))
     # A time unit is 1 s: every constant was multiplied by 1.
-    # tck-reach -a reach -l goal0
+    # tck-reach -a covreach -l goal0
     system:mitlplan
     event:tau
     process:robot
@@ -66,16 +69,36 @@ def write_tchecker(
     """
     if any(location.stopped for automaton in network.automata for location in automaton.locations):
         raise ToolError("TChecker has no stopped clocks; export the model to UPPAAL, or another construction")
-    if len(query.targets) != 1 or query.targets[0].guard or query.targets[0].tests:
-        raise ToolError("TChecker is asked for one set of locations")
     return _Writer(network, query, bound).text(notes)
+
+
+def _goals(query: Query) -> dict[str, frozenset[str]]:
+    """For each automaton that is asked for the locations one of which it must be in.
+
+    Raises
+    ------
+    ToolError
+        If they depend on where others are, or more is asked: a state has the labels of its locations alone.
+    """
+    asked = {frozenset(target.locations.items()) for target in query.targets}
+    goals: dict[str, set[str]] = {}
+    for name, location in (pair for each in asked for pair in each):
+        goals.setdefault(name, set()).add(location)
+    free = all(len(each) == len(goals) for each in asked)
+    bounded = any(target.guard or target.tests for target in query.targets)
+    if bounded or not asked or not free or len(asked) != prod(map(len, goals.values())):
+        raise ToolError(
+            "TChecker is asked for locations alone, in each automaton independently of the others"
+        )
+    return {name: frozenset(locations) for name, locations in goals.items()}
 
 
 class _Writer:
     def __init__(self, network: Network, query: Query, bound: Fraction | None) -> None:
         network, query = with_identifiers(network, query, KEYWORDS)
         self._network = network
-        self._goals = query.targets[0].locations
+        self._goals = _goals(query)
+        self._broadcast = frozenset(channel.name for channel in network.channels if channel.broadcast)
         self._label = {name: f"goal{index}" for index, name in enumerate(self._goals)}
         self._scale = ticks_per_second(network)
         if bound is not None:
@@ -84,26 +107,38 @@ class _Writer:
         self._event = identifiers((channel.name for channel in network.channels), KEYWORDS | {SILENT})
 
     def _bounded(self, bound: Fraction) -> Network:
-        """The network with the bound on every edge into a goal."""
+        """The network in which no goal is entered after the bound."""
         in_time = (Constraint(TIME, Relation.AT_MOST, bound),)
         automata = []
         for each in self._network.automata:
-            goal = self._goals.get(each.name)
-            edges = (
-                replace(edge, guard=(*edge.guard, *in_time))
-                if each.locations[edge.target].name == goal
-                else edge
+            goals = {index for index, at in enumerate(each.locations) if self._is_goal(each.name, at)}
+            entering = [edge for edge in each.edges if edge.target in goals]
+            heard = {edge.target for edge in entering if self._hears(edge)}
+            edges = tuple(
+                replace(edge, guard=(*edge.guard, *in_time)) if edge.target in goals - heard else edge
                 for edge in each.edges
             )
-            automata.append(replace(each, edges=tuple(edges)))
+            locations = tuple(
+                replace(at, invariant=(*at.invariant, *in_time)) if index in heard else at
+                for index, at in enumerate(each.locations)
+            )
+            automata.append(replace(each, locations=locations, edges=edges))
         return replace(self._network, automata=tuple(automata))
+
+    def _is_goal(self, name: str, location: Location) -> bool:
+        return location.name in self._goals.get(name, ())
+
+    def _hears(self, edge: Edge) -> bool:
+        """Whether the edge takes part in a broadcast without being the sender."""
+        side = edge.synchronisation
+        return side is not None and not side.sends and side.channel in self._broadcast
 
     def text(self, notes: Iterable[str]) -> str:
         unit = "1 s" if self._scale == 1 else f"1/{self._scale} s"
         lines = [
             f"# A time unit is {unit}: every constant was multiplied by {self._scale}.",
             *(f"# {note}" for note in notes),
-            f"# tck-reach -a reach -l {','.join(self._label.values())}",
+            f"# tck-reach -a covreach -l {','.join(self._label.values())}",
             "system:mitlplan",
             *self._declarations(),
         ]
@@ -138,14 +173,14 @@ class _Writer:
                 yield self._edge(automaton, edge)
 
     def _has_partner(self, name: str, side: Synchronisation) -> bool:
-        if side.sends and any(each.broadcast for each in self._network.channels if each.name == side.channel):
+        if side.sends and side.channel in self._broadcast:
             return True
         return any(other != name for other in self._taking_part(side.channel, sends=not side.sends))
 
     def _attributes(self, automaton: Automaton, index: int, location: Location) -> Iterator[str]:
         if index == automaton.initial:
             yield "initial:"
-        if self._goals.get(automaton.name) == location.name:
+        if self._is_goal(automaton.name, location):
             yield f"labels: {self._label[automaton.name]}"
         if location.urgency is Urgency.COMMITTED:
             yield "committed:"
@@ -161,6 +196,11 @@ class _Writer:
             side = "send" if edge.synchronisation.sends else "receive"
             event = f"{self._event[edge.synchronisation.channel]}_{side}"
         guard = [*bounds(edge.guard, self._scale), *map(comparison, edge.tests)]
+        if guard and self._hears(edge):
+            raise ToolError(
+                f"in TChecker an edge that hears a broadcast has no guard, as {automaton.name} has at "
+                f"{names[0]}; export the model to UPPAAL"
+            )
         done = [*(f"{clock} = 0" for clock in sorted(edge.resets)), *map(update, edge.assignments)]
         attributes = [f"provided: {' && '.join(guard)}"] if guard else []
         attributes += [f"do: {'; '.join(done)}"] if done else []

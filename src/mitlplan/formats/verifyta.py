@@ -9,21 +9,27 @@ believed, since the verifier's answers are approximate where clocks are stopped.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
+import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from enum import Enum
+from fractions import Fraction
 from pathlib import Path
 
 from mitlplan.automata.timed_automaton import Edge, Network, Query, holds, ticks_per_second, value_of
-from mitlplan.automata.trace import Move, Trace, earliest
+from mitlplan.automata.trace import Move
 from mitlplan.errors import ToolError
 from mitlplan.formats.identifiers import with_identifiers
 from mitlplan.formats.uppaal import KEYWORDS, bounds, comparison, targets, update, write_uppaal
+from mitlplan.search.fastest import MEGABYTE, Limits, Progress, Stopped
+from mitlplan.search.reach import Effort, Reachable, Reached, Unknown, Unreachable
+from mitlplan.search.timing import earliest
 
 VARIABLE = "MITLPLAN_VERIFYTA"
 """The environment variable that names the program."""
@@ -36,6 +42,10 @@ _ABSENT = (
 _VERDICT = re.compile(r"(?:Property|Formula) (is NOT|is|MAY be) satisfied")
 _SECTION = re.compile(r"^[ \t]*(State|Transitions?|Delay)\s*:?", re.MULTILINE)
 _EDGE = re.compile(r"\b(\w+)\.(\w+)\s*->\s*(\w+)\.(\w+)\s*(?:\{([^{}]*)\})?", re.ASCII)
+_OUT_OF_MEMORY = re.compile("out of memory|bad_alloc", re.IGNORECASE)
+
+_LOOK = 0.1
+"""Seconds between looks at limits."""
 
 
 class Verdict(Enum):
@@ -44,16 +54,6 @@ class Verdict(Enum):
     YES = "satisfied"
     NO = "not satisfied"
     MAYBE = "may be satisfied"
-
-
-@dataclass(frozen=True, slots=True)
-class Unreachable:
-    """The verifier's proof that no target can be reached."""
-
-
-@dataclass(frozen=True, slots=True)
-class Spurious:
-    """A trace of the verifier that is no run of the network: nothing is known."""
 
 
 def find_verifyta(environment: Mapping[str, str] = os.environ) -> Path:
@@ -72,54 +72,102 @@ def find_verifyta(environment: Mapping[str, str] = os.environ) -> Path:
 
 
 def fastest_trace(
-    network: Network, query: Query, *, verifyta: Path, time_limit: float | None = None
-) -> Trace | Unreachable | Spurious:
-    """The fastest trace to a target, found by ``verifyta`` and checked here.
+    network: Network,
+    query: Query,
+    limits: Limits | None = None,
+    *,
+    epsilon: Fraction = Fraction(1, 1000),
+    verifyta: Path,
+) -> Reachable:
+    """The fastest trace to a target, found by ``verifyta`` and executed here.
 
     Parameters
     ----------
     network, query
         As for :func:`~mitlplan.formats.uppaal.write_uppaal`.
+    limits
+        None by default; the program is stopped at the limit of time, and gets no more memory than is said.
+    epsilon
+        How near to come to a least time that no trace attains, in seconds.
     verifyta
         The program.
-    time_limit
-        In seconds.
+
+    Returns
+    -------
+    Reached, Unreachable, Unknown or Stopped
+        The program tells nothing of its effort; that no trace is faster is its word.
 
     Raises
     ------
     ToolError
-        If the program fails, takes too long, or says what is not understood.
+        If the program fails or says what is not understood.
     """
-    output, errors = _run(network, query, verifyta, time_limit)
-    verdict = read_verdict(output + errors)
+    limits = (Limits() if limits is None else limits).begin()
+    output, errors = _run(network, query, verifyta, limits)
+    said = output + errors
+    if _VERDICT.search(said) is None:
+        if limits.over():
+            return Stopped(f"verifyta was stopped at the time limit of {limits.seconds:g} s", None, 0)
+        if limits.megabytes is not None and _OUT_OF_MEMORY.search(said):
+            return Stopped(f"verifyta reached the memory limit of {limits.megabytes} MB", None, 0)
+        last = (errors or output).strip().splitlines()
+        raise ToolError(f"verifyta gave no verdict: {last[-1] if last else 'it said nothing at all'}")
+    verdict = read_verdict(said)
     if verdict is Verdict.NO:
-        return Unreachable()
-    trace = earliest(network, read_moves(errors if _SECTION.search(errors) else output, network))
-    return Spurious() if trace is None else trace
+        return Unreachable(Effort())
+    moves = read_moves(errors if _SECTION.search(errors) else output, network)
+    for target in query.targets:
+        trace = earliest(network, moves, target, epsilon=epsilon)
+        if trace is not None:
+            bound = trace.least if verdict is Verdict.YES else Fraction(0)
+            return Reached(trace, target, bound, Effort())
+    return Unknown(1, Effort())
 
 
-def _run(network: Network, query: Query, verifyta: Path, time_limit: float | None) -> tuple[str, str]:
+def _run(network: Network, query: Query, verifyta: Path, limits: Limits) -> tuple[str, str]:
+    """What the program prints on stdout and stderr, as far as it gets before the limit of time."""
     named, asked = with_identifiers(network, query, KEYWORDS)
     with tempfile.TemporaryDirectory(prefix="mitlplan") as folder:
         model, question = Path(folder, "model.xml"), Path(folder, "model.q")
         model.write_text(write_uppaal(network, query), encoding="utf-8")
         question.write_text(f"E<> {targets(asked, ticks_per_second(named, asked))}\n", encoding="utf-8")
         try:
-            finished = subprocess.run(  # noqa: S603  (the program is the user's own choice)
-                [str(verifyta), "-t", "2", str(model), str(question)],
-                capture_output=True,
+            process = subprocess.Popen(  # noqa: S603  (the program is the user's own choice)
+                [*_confined(limits), str(verifyta), "-t", "2", str(model), str(question)],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
                 text=True,
-                timeout=time_limit,
-                check=False,
+                errors="replace",
+                # Often a script that starts the program: both are stopped together.
+                start_new_session=True,
             )
-        except subprocess.TimeoutExpired:
-            raise ToolError(f"verifyta was stopped after {time_limit:g} s") from None
         except OSError as error:
             raise ToolError(f"{verifyta} cannot be run: {error.strerror}") from None
-    if _VERDICT.search(finished.stdout + finished.stderr) is None:
-        said = (finished.stderr or finished.stdout).strip().splitlines()
-        raise ToolError(f"verifyta gave no verdict: {said[-1] if said else 'it said nothing at all'}")
-    return finished.stdout, finished.stderr
+        with process:
+            try:
+                return _heard(process, limits)
+            finally:
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(process.pid, signal.SIGKILL)
+
+
+def _confined(limits: Limits) -> list[str]:
+    """What to write before a command that gets no more memory than the limits say."""
+    if limits.megabytes is None:
+        return []
+    return ["sh", "-c", 'ulimit -v "$0" && exec "$@"', str(limits.megabytes * MEGABYTE // 1024)]
+
+
+def _heard(process: subprocess.Popen[str], limits: Limits) -> tuple[str, str]:
+    while not limits.over():
+        remaining = limits.remaining()
+        try:
+            return process.communicate(timeout=_LOOK if remaining is None else min(_LOOK, remaining))
+        except subprocess.TimeoutExpired:
+            if limits.progress is not None:
+                limits.progress(Progress(0, None, time.monotonic() - limits.started))
+    return "", ""
 
 
 def read_verdict(output: str) -> Verdict:

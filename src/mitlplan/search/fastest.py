@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TypeAlias, Union
 
@@ -68,19 +68,24 @@ class Limits:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Found:
-    """A run that reaches the goal first, at `time` seconds; not attained if bounds along it are strict."""
+    """A run that reaches the goal first, at `time` seconds; not attained if bounds along it are strict.
+
+    `bytes` is the memory that the search used for its `states`.
+    """
 
     path: Path
     time: Fraction
     attained: bool
     states: int
+    bytes: int = field(default=0, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
 class Exhausted:
-    """There is no run: every state was looked at."""
+    """There is no run: every state was looked at; `bytes` as in :class:`Found`."""
 
     states: int
+    bytes: int = field(default=0, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,8 +131,8 @@ def fastest_run(
     if search.found:
         steps, last = search.path()
         path = Path(np.asarray(steps).reshape(-1, tables.components), KINDS[last])
-        return Found(path, Fraction(goal[0], tables.scale), not goal[1], search.stored)
-    return Exhausted(search.stored)
+        return Found(path, Fraction(goal[0], tables.scale), not goal[1], search.stored, search.bytes)
+    return Exhausted(search.stored, search.bytes)
 
 
 def drive(

@@ -24,7 +24,7 @@ from scipy.sparse.csgraph import connected_components
 
 from mitlplan import _core
 from mitlplan.search.fastest import MEGABYTE, Exhausted, Limits, Stopped, drive
-from mitlplan.search.schedule import Difference, Path, columns, differences, infinitesimals_a_tick
+from mitlplan.search.schedule import Difference, Path, columns, differences, infinitesimals_a_tick, listed
 from mitlplan.search.tables import KINDS, Tables
 
 ORIGINS = 64
@@ -185,7 +185,7 @@ def timetable(tables: Tables, lasso: Lasso, epsilon: Fraction) -> Timetable | No
     first = len(lasso.prefix) - 1
     length = len(lasso.round)
     unrolled = Path(np.concatenate([lasso.prefix, lasso.round, lasso.round]), KINDS[0])
-    constraints = list(dict.fromkeys(differences(tables, unrolled)))
+    constraints = listed(differences(tables, unrolled))
     period = _least_period(constraints, first, length)
     if period is None:
         return None

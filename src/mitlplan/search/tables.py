@@ -8,17 +8,16 @@ worklist over the edges of each small transducer; the map needs none, because ev
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import lcm
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
+from mitlplan import _core
 from mitlplan.automata.transducer import (
     NEVER,
     TIME,
@@ -35,8 +34,11 @@ from mitlplan.automata.transducer import (
 TICK_LIMIT = 2**60
 """Times beyond this many ticks are refused; the native side holds the same limit."""
 
-EXACT_FLOATS = 2**53
-"""Integers below this are exact as floats."""
+FARTHEST = 2**53
+"""Ticks at which distances are cut off, so that sums of them are safe; as bounds they are still right."""
+
+NOTHING = 0
+"""The number of the empty guard, of no resets, no signals and no bounds: they are interned first."""
 
 MAP_CLOCK = "z"
 UNBOUNDED = -1
@@ -84,14 +86,107 @@ def tabulate(network: Network, *, objective: bool = True) -> Tables:
     return _Tabulation(network, objective).run()
 
 
-class _Interner:
+def ticks_of(seconds: Fraction, scale: int) -> int:
+    """A time in ticks.
+
+    Raises
+    ------
+    OverflowError
+        If there are too many of them.
+    """
+    scaled = seconds * scale
+    if scaled >= TICK_LIMIT:
+        raise OverflowError(
+            f"a time of {seconds} s is more than 2^60 ticks of 1/{scale} s, the common denominator "
+            "of all times; use coarser times"
+        )
+    return int(scaled)
+
+
+Row: TypeAlias = tuple[Any, ...]
+"""Entries that stand one behind the other in the columns of a table."""
+
+
+class Interner:
     """Numbers for values, in order of first appearance."""
 
     def __init__(self) -> None:
         self.numbers: dict[Hashable, int] = {}
 
     def __call__(self, value: Hashable) -> int:
+        """The number of `value`."""
         return self.numbers.setdefault(value, len(self.numbers))
+
+
+class Constants:
+    """The largest lower and upper constants that clocks are still compared with, by location and clock.
+
+    Local ones, by a worklist that goes backwards along the edges of one automaton: Behrmann, Bouyer, Fleury
+    and Larsen 2003. A clock without an entry is not active.
+    """
+
+    def __init__(self, ticks: Callable[[Fraction], int]) -> None:
+        self.at: dict[Hashable, dict[str, tuple[int, int]]] = {}
+        self._ticks = ticks
+
+    def read(self, location: Hashable, guard: Guard) -> None:
+        """Note that `guard` is read in `location`."""
+        for constraint in guard:
+            value = self._ticks(constraint.bound)
+            if constraint.relation in (Relation.LESS, Relation.AT_MOST):
+                self._join(location, constraint.clock, UNBOUNDED, value)
+            else:
+                self._join(location, constraint.clock, value, UNBOUNDED)
+
+    def _join(self, location: Hashable, clock: str, lower: int, upper: int) -> bool:
+        here = self.at.setdefault(location, {})
+        old = here.get(clock)
+        new = (lower, upper) if old is None else (max(old[0], lower), max(old[1], upper))
+        here[clock] = new
+        return new != old
+
+    def spread(self, edges: Iterable[tuple[Hashable, Hashable, frozenset[str]]]) -> None:
+        """What is read behind an edge matters before it, unless the edge resets it."""
+        into: dict[Hashable, list[tuple[Hashable, frozenset[str]]]] = {}
+        for source, target, resets in edges:
+            into.setdefault(target, []).append((source, resets))
+        waiting = list(self.at)
+        while waiting:
+            location = waiting.pop()
+            for source, resets in into.get(location, ()):
+                changed = False
+                for clock, (lower, upper) in list(self.at[location].items()):
+                    if clock not in resets:
+                        changed |= self._join(source, clock, lower, upper)
+                if changed:
+                    waiting.append(source)
+
+
+GUARD_COLUMNS = {"clock": np.int32, "upper": np.uint8, "strict": np.uint8, "value": np.int64}
+BOUNDS_COLUMNS = {"clock": np.int32, "lower": np.int64, "upper": np.int64}
+
+
+def guard_row(guard: Guard, clock: Callable[[str], int], ticks: Callable[[Fraction], int]) -> Row:
+    """A guard as a row of the tables."""
+    return tuple(
+        (
+            clock(constraint.clock),
+            constraint.relation in (Relation.LESS, Relation.AT_MOST),
+            constraint.relation in (Relation.LESS, Relation.GREATER),
+            ticks(constraint.bound),
+        )
+        for constraint in guard
+    )
+
+
+def put_rows(columns: dict[str, Any], name: str, interned: Interner, kinds: Mapping[str, Any]) -> None:
+    """The interned rows as columns, one for each entry of `kinds`, and one that tells where rows begin."""
+    rows: list[Any] = list(interned.numbers)
+    flat = [entry for row in rows for entry in row]
+    columns[f"{name}_start"] = _starts(rows)
+    for index, (column, kind) in enumerate(kinds.items()):
+        entries = flat if len(kinds) == 1 else [entry[index] for entry in flat]
+        columns[f"{name}_{column}"] = np.array(entries, dtype=kind)
 
 
 @dataclass
@@ -105,11 +200,11 @@ class _Tabulation:
         self.network = network
         self.objective = objective
         self.scale = ticks_per_second(network)
-        self.guards = _Interner()
-        self.resets = _Interner()
-        self.bounds = _Interner()
-        self.signal_sets = _Interner()
-        self.clocks = _Interner()
+        self.guards = Interner()
+        self.resets = Interner()
+        self.bounds = Interner()
+        self.signal_sets = Interner()
+        self.clocks = Interner()
         self.clocks("0")
         if objective:
             self.clocks(TIME)
@@ -125,50 +220,36 @@ class _Tabulation:
             for edge in _every_edge(transducer)
             for signal in edge.requires | edge.excludes
         }
-        self.signals = _Interner()
+        self.signals = Interner()
         for signal in sorted(self.emitted & read):
             self.signals(signal)
-        self.fields = _Interner()
+        self.fields = Interner()
 
     def ticks(self, seconds: Fraction) -> int:
-        scaled = seconds * self.scale
-        if scaled >= TICK_LIMIT:
-            raise OverflowError(
-                f"a time of {seconds} s is more than 2^60 ticks of 1/{self.scale} s, the common denominator "
-                "of all times; use coarser times"
-            )
-        return int(scaled)
+        return ticks_of(seconds, self.scale)
 
     def clock(self, name: str) -> int:
         return self.clocks(name)
 
     def guard(self, constraints: Guard) -> int:
-        return self.guards(
-            tuple(
-                (
-                    self.clock(constraint.clock),
-                    constraint.relation in (Relation.LESS, Relation.AT_MOST),
-                    constraint.relation in (Relation.LESS, Relation.GREATER),
-                    self.ticks(constraint.bound),
-                )
-                for constraint in constraints
-            )
-        )
+        return self.guards(guard_row(constraints, self.clock, self.ticks)) if constraints else NOTHING
 
-    def signal_set(self, signals: Iterable[str]) -> int:
+    def signal_set(self, signals: Collection[str] = ()) -> int:
+        if not signals:
+            return NOTHING
         mask = 0
         for signal in signals:
-            if signal in self.signals.numbers:
-                mask |= 1 << self.signals(signal)
+            number = self.signals.numbers.get(signal)
+            if number is not None:
+                mask |= 1 << number
         return self.signal_sets(mask)
 
     def run(self) -> Tables:
         network = self.network
         columns: dict[str, Any] = {}
-        self.signal_set(())
-        self.guard(())
-        self.resets(())
-        self.bounds(())
+        self.signal_sets(0)
+        for empty in (self.guards, self.resets, self.bounds):
+            empty(())
         driver_locations, driver_edges = self.driver(network.map)
         component_start = [0, network.map.location_count + 1]
         location_rows: list[tuple[int, ...]] = []
@@ -204,17 +285,13 @@ class _Tabulation:
         durations = [self.ticks(duration) for duration in automaton.durations]
         labels = np.array(
             [
-                self.signal_set(name for name, where in self.network.predicates.items() if label in where)
+                self.signal_set([name for name, where in self.network.predicates.items() if label in where])
                 for label in range(len(automaton.label_sets))
             ],
             dtype=np.int32,
         )
-        distinct, which = _distinct_pairs(automaton.least, automaton.most)
-        guard_numbers = np.array(
-            [self.map_guard(durations, int(least), int(most)) for least, most in distinct] or [0],
-            dtype=np.int32,
-        )
-        guards = guard_numbers[which]
+        times, which = _pairs(automaton.least, automaton.most, len(durations))
+        guards = np.array([self.map_guard(durations, *pair) for pair in times] or [0], dtype=np.int32)[which]
         invariants = np.array(
             [
                 *(self.guards(((self.clock(MAP_CLOCK), True, False, value),)) for value in durations),
@@ -230,40 +307,40 @@ class _Tabulation:
             ],
             dtype=np.int32,
         )[automaton.invariant]
-        ticks = np.array([*durations, UNBOUNDED], dtype=np.int64)
-        lower = np.full(automaton.location_count, UNBOUNDED, dtype=np.int64)
-        upper = ticks[automaton.invariant]
-        asked = ticks[automaton.least]
-        np.maximum.at(lower, automaton.source, np.where(asked > 0, asked, UNBOUNDED))
-        np.maximum.at(upper, automaton.source, ticks[automaton.most])
-        constants, which = _distinct_pairs(lower, upper)
+        count = automaton.location_count
+        starts = np.zeros(count + 1, dtype=np.int32)
+        np.cumsum(np.bincount(automaton.source, minlength=count), out=starts[1:])
+        # Of the times in order, that the largest may be found among their numbers.
+        ordered = sorted({UNBOUNDED, *durations})
+        rank = {time: number for number, time in enumerate(ordered)}
+        asked = np.array([rank[durations[least] or UNBOUNDED] for least, _ in times], dtype=np.int32)
+        allowed = np.array([rank[_time(durations, most)] for _, most in times], dtype=np.int32)
+        stays = np.array(
+            [rank[_time(durations, index)] for index in range(NEVER, len(durations))], dtype=np.int32
+        )
+        lower = _largest_of_each(asked, which, starts)
+        upper = np.maximum(stays[automaton.invariant + 1], _largest_of_each(allowed, which, starts))
+        constants, which = _pairs(lower, upper, len(ordered))
         bound_numbers = np.array(
             [
-                self.bounds(
-                    ()
-                    if low == UNBOUNDED and high == UNBOUNDED
-                    else ((self.clock(MAP_CLOCK), int(low), int(high)),)
-                )
+                self.bounds(((self.clock(MAP_CLOCK), ordered[low], ordered[high]),) if low or high else ())
                 for low, high in constants
             ],
             dtype=np.int32,
         )
-        count = automaton.location_count
         resets = self.resets((self.clock(MAP_CLOCK),) if MAP_CLOCK in self.clocks.numbers else ())
-        empty = self.signal_set(())
-        starts = np.searchsorted(automaton.source, np.arange(count + 1)).astype(np.int32)
         moves, begins = len(automaton.source), len(automaton.initial)
         locations = {
             "invariant": np.append(invariants, 0),
             "still": np.append(stills, 0),
             "bounds": np.append(bound_numbers[which], 0),
-            "emits": np.append(labels[automaton.label_of], empty),
+            "emits": np.append(labels[automaton.label_of], NOTHING),
         }
         edges = {
             "start": np.append(starts, moves + begins),
-            "target": np.append(automaton.target, automaton.initial),
-            "guard": np.append(guards, np.zeros(begins)),
-            "resets": np.full(moves + begins, resets),
+            "target": np.append(automaton.target, np.array(automaton.initial, dtype=np.int32)),
+            "guard": np.append(guards, np.zeros(begins, dtype=np.int32)),
+            "resets": np.full(moves + begins, resets, dtype=np.int32),
         }
         return locations, edges
 
@@ -294,18 +371,20 @@ class _Tabulation:
         every = {"move": transducer.edges, "ending": transducer.endings, "parking": transducer.parkings}
         for kind, edges in every.items():
             column = kinds[kind]
+            leaving: dict[str, list[Edge]] = {location.name: [] for location in transducer.locations}
+            for edge in edges:
+                if edge.requires <= self.emitted:
+                    leaving[edge.source].append(edge)
             for location in transducer.locations:
                 column.start.append(len(column.rows))
-                for edge in edges:
-                    if edge.source != location.name or not edge.requires <= self.emitted:
-                        continue
+                for edge in leaving[location.name]:
                     target = number[edge.target] if kind == "move" else number[edge.source]
                     resets = tuple(sorted(self.clock(clock) for clock in edge.resets))
                     column.rows.append(
                         (
                             target,
                             self.guard(edge.guard),
-                            self.resets(resets),
+                            self.resets(resets) if resets else NOTHING,
                             self.signal_set(edge.requires),
                             self.signal_set(edge.excludes),
                             self.signal_set(edge.emits),
@@ -336,7 +415,7 @@ class _Tabulation:
         return (
             self.guard(location.invariant),
             bounds,
-            self.signal_set(()),
+            NOTHING,
             restless,
             target,
             deadline_clock,
@@ -345,42 +424,13 @@ class _Tabulation:
 
     def constants(self, transducer: Transducer) -> dict[str, dict[str, tuple[int, int]]]:
         """The largest lower and upper constants of each clock that is active in each location."""
-        result: dict[str, dict[str, tuple[int, int]]] = {
-            location.name: {} for location in transducer.locations
-        }
-
-        def join(location: str, clock: str, lower: int, upper: int) -> bool:
-            old = result[location].get(clock, (UNBOUNDED, UNBOUNDED))
-            new = (max(old[0], lower), max(old[1], upper))
-            result[location][clock] = new
-            return new != old
-
-        def join_guard(location: str, guard: Guard) -> None:
-            for constraint in guard:
-                value = self.ticks(constraint.bound)
-                if constraint.relation in (Relation.LESS, Relation.AT_MOST):
-                    join(location, constraint.clock, UNBOUNDED, value)
-                else:
-                    join(location, constraint.clock, value, UNBOUNDED)
-
+        result = Constants(self.ticks)
         for location in transducer.locations:
-            join_guard(location.name, location.invariant)
+            result.read(location.name, location.invariant)
         for edge in _every_edge(transducer):
-            join_guard(edge.source, edge.guard)
-        into: dict[str, list[Edge]] = {location.name: [] for location in transducer.locations}
-        for edge in transducer.edges:
-            into[edge.target].append(edge)
-        waiting = [location.name for location in transducer.locations]
-        while waiting:
-            name = waiting.pop()
-            for edge in into[name]:
-                changed = False
-                for clock, (lower, upper) in list(result[name].items()):
-                    if clock not in edge.resets:
-                        changed |= join(edge.source, clock, lower, upper)
-                if changed:
-                    waiting.append(edge.source)
-        return result
+            result.read(edge.source, edge.guard)
+        result.spread([(edge.source, edge.target, edge.resets) for edge in transducer.edges])
+        return {location.name: result.at.get(location.name, {}) for location in transducer.locations}
 
     # -- columns -------------------------------------------------------------------------------------------
 
@@ -393,29 +443,18 @@ class _Tabulation:
         names = ("invariant", "bounds", "emits", "restless", "target", "deadline_clock", "deadline", "relief")
         count = len(driver["emits"])
         own = np.array(rows, dtype=np.int64).reshape(-1, len(names))
-        columns["location_still"] = np.append(driver["still"], np.zeros(len(own))).astype(np.int32)
+        columns["location_still"] = np.zeros(count + len(own), dtype=np.int32)
+        columns["location_still"][:count] = driver["still"]
         for index, name in enumerate(names):
-            default = 0 if name == "deadline" else UNBOUNDED
-            head = driver.get(name, np.full(count, default))
-            kind = np.int64 if name == "deadline" else np.int32
-            columns[f"location_{name}"] = np.concatenate([head, own[:, index]]).astype(kind)
+            column = np.empty(count + len(own), dtype=np.int64 if name == "deadline" else np.int32)
+            column[:count] = driver.get(name, 0 if name == "deadline" else UNBOUNDED)
+            column[count:] = own[:, index]
+            columns[f"location_{name}"] = column
 
     def put_interned(self, columns: dict[str, Any]) -> None:
-        guards: list[Any] = list(self.guards.numbers)
-        flat = [constraint for guard in guards for constraint in guard]
-        columns["guard_start"] = _starts(guards)
-        for index, (name, kind) in enumerate(
-            (("clock", np.int32), ("upper", np.uint8), ("strict", np.uint8), ("value", np.int64))
-        ):
-            columns[f"guard_{name}"] = np.array([entry[index] for entry in flat], dtype=kind)
-        resets: list[Any] = list(self.resets.numbers)
-        columns["reset_start"] = _starts(resets)
-        columns["reset_clock"] = np.array([clock for row in resets for clock in row], dtype=np.int32)
-        bounds: list[Any] = list(self.bounds.numbers)
-        flat = [entry for row in bounds for entry in row]
-        columns["bounds_start"] = _starts(bounds)
-        for index, (name, kind) in enumerate((("clock", np.int32), ("lower", np.int64), ("upper", np.int64))):
-            columns[f"bounds_{name}"] = np.array([entry[index] for entry in flat], dtype=kind)
+        put_rows(columns, "guard", self.guards, GUARD_COLUMNS)
+        put_rows(columns, "reset", self.resets, {"clock": np.int32})
+        put_rows(columns, "bounds", self.bounds, BOUNDS_COLUMNS)
         words = max(1, -(-len(self.signals.numbers) // 64))
         masks: list[Any] = list(self.signal_sets.numbers)
         columns["words"] = words
@@ -429,44 +468,84 @@ class _Tabulation:
         automaton = self.network.map
         count = automaton.location_count
         result = np.zeros((len(self.fields.numbers), count + 1), dtype=np.int64)
-        ticks = np.array([self.ticks(duration) for duration in automaton.durations], dtype=np.int64)
-        times = ticks[automaton.least]
-        # A sparse matrix drops weights of 0: one more for each move keeps them, and dividing takes it off.
-        factor = 1 if times.all() else count + 1
-        if (int(times.max(initial=0)) * factor + 1) * (count + 1) >= EXACT_FLOATS:
+        if len(result) == 0:
             return result.reshape(-1)
-        weights = times * factor + (factor > 1)
-        # A sparse matrix adds up entries of the same place: of parallel moves only the shortest is to count.
-        order = np.lexsort((weights, automaton.source, automaton.target))
-        ends = np.stack([automaton.target, automaton.source])[:, order]
-        first = np.append(True, np.any(ends[:, 1:] != ends[:, :-1], axis=0))[: len(order)]
-        reverse = csr_array((weights[order][first], (ends[0, first], ends[1, first])), shape=(count, count))
-        for index, name in enumerate(self.fields.numbers):
-            where = self.network.predicates[str(name)]
-            goals = np.flatnonzero(np.isin(automaton.label_of, list(where)))
-            if len(goals) == 0:
-                result[index] = UNBOUNDED
-                continue
-            reached = dijkstra(reverse, indices=goals, min_only=True)
-            finite = np.isfinite(reached)
-            result[index, :count] = np.where(
-                finite, np.where(finite, reached, 0).astype(np.int64) // factor, UNBOUNDED
+        goals = []
+        for name in self.fields.numbers:
+            shown = np.zeros(len(automaton.label_sets), dtype=np.bool_)
+            shown[list(self.network.predicates[str(name)])] = True
+            goals.append(np.flatnonzero(shown[automaton.label_of]).astype(np.int32))
+        ticks = np.array([self.ticks(duration) for duration in automaton.durations], dtype=np.int64)
+        result[:, :count] = nearest(count, automaton.source, automaton.target, automaton.least, ticks, goals)
+        # From before the start the way begins in any cell of the start.
+        for row in result:
+            row[count] = min(
+                (there for there in row[list(automaton.initial)].tolist() if there >= 0), default=UNBOUNDED
             )
-            from_start = [ticks for ticks in result[index, list(automaton.initial)] if ticks != UNBOUNDED]
-            result[index, count] = min(from_start, default=UNBOUNDED)
         return result.reshape(-1)
 
 
-def _distinct_pairs(first: NDArray[Any], second: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """The distinct pairs in order, shape (distinct, 2), and the number of each pair among them."""
-    # Not `np.unique(..., axis=0)`: it compares rows as bytes, some twenty times as slowly.
-    order = np.lexsort((second, first))
-    ordered = first[order], second[order]
-    new = np.ones(len(order), dtype=np.bool_)
-    new[1:] = (ordered[0][1:] != ordered[0][:-1]) | (ordered[1][1:] != ordered[1][:-1])
-    which = np.empty(len(order), dtype=np.int64)
-    which[order] = np.cumsum(new) - 1
-    return np.stack([ordered[0][new], ordered[1][new]], axis=1), which
+def nearest(
+    count: int,
+    source: NDArray[np.int32],
+    target: NDArray[np.int32],
+    time: NDArray[np.int32],
+    ticks: NDArray[np.int64],
+    goals: Sequence[NDArray[np.int32]],
+) -> NDArray[np.int64]:
+    """For each array of goals the least ticks from every place to one of them.
+
+    Parameters
+    ----------
+    count
+        How many places there are.
+    source, target, time
+        Shape (moves,): between which places, and the index into `ticks` of how long it takes.
+
+    Returns
+    -------
+    int64, shape (goals, count)
+        Negative where there is no way; what is farther than :data:`FARTHEST` counts as so far.
+    """
+    return _core.distances(count, source, target, time, ticks, list(goals)).reshape(-1, count)
+
+
+def _pairs(
+    first: NDArray[np.int32], second: NDArray[np.int32], count: int
+) -> tuple[list[tuple[int, int]], NDArray[np.int64]]:
+    """The distinct pairs of numbers from -1 to `count` - 1, in order, and the number of each among them."""
+    if len(first) and _same(first) and _same(second):
+        return [(int(first[0]), int(second[0]))], np.zeros(len(first), dtype=np.int64)
+    width = count + 1
+    keys = (first.astype(np.int64) + 1) * width + (second + 1)
+    if width * width > len(keys):
+        distinct, which = np.unique(keys, return_inverse=True)
+    else:
+        occurs = np.zeros(width * width, dtype=np.bool_)
+        occurs[keys] = True
+        distinct, which = np.flatnonzero(occurs), (np.cumsum(occurs) - 1)[keys]
+    return [(key // width - 1, key % width - 1) for key in distinct.tolist()], which.reshape(-1)
+
+
+def _same(numbers: NDArray[np.int32]) -> bool:
+    return bool(numbers.min() == numbers.max())
+
+
+def _largest_of_each(
+    values: NDArray[np.int32], which: NDArray[np.int64], starts: NDArray[np.int32]
+) -> NDArray[np.int32]:
+    """For each row of entries, ``values[which[start:next start]]``, the largest; 0 where there is none."""
+    filled = starts[:-1] < starts[1:]
+    result = np.zeros(len(filled), dtype=np.int32)
+    if len(values) == 1:
+        result[filled] = values[0]
+    elif len(values):
+        result[filled] = np.maximum.reduceat(values[which], starts[:-1][filled])
+    return result
+
+
+def _time(durations: Sequence[int], index: int) -> int:
+    return UNBOUNDED if index == NEVER else durations[index]
 
 
 def _starts(rows: Sequence[Sequence[Any]]) -> NDArray[np.int32]:
@@ -482,17 +561,19 @@ def _put_edges(
 ) -> None:
     names = ("target", "guard", "resets", "reads", "avoids", "emits", "marks")
     own = np.array(rows.rows, dtype=np.int32).reshape(-1, len(names))
-    driver_start = np.zeros(driver_locations, dtype=np.int32) if driver is None else driver["start"]
-    driver_count = 0 if driver is None else len(driver["target"])
-    head = driver_start[:driver_locations]
-    columns[f"{kind}_start"] = np.concatenate(
-        [head, np.array([*rows.start, len(rows.rows)], dtype=np.int32) + driver_count]
-    ).astype(np.int32)
+    count = 0 if driver is None else len(driver["target"])
+    starts = np.zeros(driver_locations + len(rows.start) + 1, dtype=np.int32)
+    if driver is not None:
+        starts[:driver_locations] = driver["start"][:driver_locations]
+    starts[driver_locations:] = np.array([*rows.start, len(rows.rows)], dtype=np.int32) + count
+    columns[f"{kind}_start"] = starts
     for index, name in enumerate(names):
-        front: NDArray[np.int32] = np.zeros(driver_count, dtype=np.int32)
+        # Zeros that nobody writes cost nothing, however many moves there are.
+        column = np.zeros(count + len(own), dtype=np.int32)
         if driver is not None and name in driver:
-            front = driver[name].astype(np.int32)
-        columns[f"{kind}_{name}"] = np.concatenate([front, own[:, index]]).astype(np.int32)
+            column[:count] = driver[name]
+        column[count:] = own[:, index]
+        columns[f"{kind}_{name}"] = column
 
 
 def _every_edge(transducer: Transducer) -> tuple[Edge, ...]:
@@ -500,7 +581,13 @@ def _every_edge(transducer: Transducer) -> tuple[Edge, ...]:
 
 
 def ticks_per_second(network: Network) -> int:
-    """The least common denominator of all times of `network`, in seconds: the scale of its tables."""
+    """The least common denominator of all times of `network`, in seconds: the scale of its tables.
+
+    Raises
+    ------
+    OverflowError
+        If a time needs more ticks than 64-bit arithmetic holds safely.
+    """
     times = set(network.map.durations)
     for transducer in network.transducers:
         for edge in _every_edge(transducer):
@@ -509,4 +596,6 @@ def ticks_per_second(network: Network) -> int:
             times.update(constraint.bound for constraint in location.invariant)
             if location.deadline is not None:
                 times.add(location.deadline.bound)
-    return lcm(*(time.denominator for time in times))
+    scale = lcm(*(time.denominator for time in times))
+    ticks_of(max(times, default=Fraction(0)), scale)
+    return scale

@@ -5,11 +5,13 @@ from mitlplan.trajectory.leg import Weights
 from mitlplan.trajectory.motion import Motion, Style, straight, turn_left, turn_right, u_turn
 from mitlplan.trajectory.pose import Course, Pose
 from mitlplan.trajectory.profile import Profile
-from mitlplan.trajectory.retime import retime
+from mitlplan.trajectory.retime import Retimed, retime
 from mitlplan.trajectory.robot import DrivenTimes, Driving, Robot
+from mitlplan.trajectory.timetable import Apart, Span
 from mitlplan.trajectory.trajectory import Piece, Samples, Trajectory, Visit
 
 __all__ = [
+    "Apart",
     "Course",
     "DrivenTimes",
     "Driving",
@@ -17,8 +19,10 @@ __all__ = [
     "Piece",
     "Pose",
     "Profile",
+    "Retimed",
     "Robot",
     "Samples",
+    "Span",
     "Style",
     "Trajectory",
     "Visit",

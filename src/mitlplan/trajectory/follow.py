@@ -52,6 +52,9 @@ _AHEAD, _ASTERN = 0.0, math.pi
 _Chain: TypeAlias = "tuple[_Driven, _Chain] | None"
 """What is done in the stays so far, the last first."""
 
+_AMPLE = 10**6
+"""So many times the time of a plan is enough for whatever can be driven."""
+
 _TICKS = 10**6
 """Times that come of floats are rounded to this part of a second."""
 
@@ -158,7 +161,8 @@ def spans_of(
     Parameters
     ----------
     plan, workspace, robot, driving, start, heading
-        As in :func:`follow`; every stay is driven slowly.
+        As in :func:`follow`, but the times of the plan need not be enough for the robot: how it faces is what
+        is cheapest for them, and what it can drive at all is given the time that it needs.
 
     Raises
     ------
@@ -166,7 +170,11 @@ def spans_of(
         As :func:`follow`.
     """
     route = _route(plan, workspace, None)
-    driven = _Driver(robot, driving, Waiting.SLOW, start, heading).drive(route)
+    ample = tuple(
+        stay if stay.leave is None else replace(stay, time=_AMPLE * stay.time, travel=None)
+        for stay in route.stays
+    )
+    driven = _Driver(robot, driving, Waiting.SLOW, start, heading).drive(replace(route, stays=ample))
     # The first cell of a loop is met again at the end of the route, where it is no step of the plan.
     stays = route.stays[: len(plan.steps)]
     return [

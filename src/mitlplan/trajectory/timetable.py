@@ -1,30 +1,42 @@
 """The crossings at which the sum of cost / duration along a chain is least.
 
-Every crossing has a window and every duration between two crossings its bounds: a convex problem whose
-Newton steps are tridiagonal. Bounds that leave no choice are removed first, in exact arithmetic, so that a
-point strictly between all others exists. From there a logarithmic barrier is followed; with m bounds and
-barrier weight v the sum is within m v of the least one, and that tells when to stop. (S. Boyd and L.
-Vandenberghe, Convex Optimization, 2004, section 11.)
+Every crossing has a window, every duration between two crossings its bounds, and any two crossings may be
+held apart: a convex problem over difference bounds. What leaves no choice is found first, in exact
+arithmetic: all times keep a bound with equality if it lies on a cycle of weight 0, and bounds on such cycles
+are among those that the earliest times keep with equality. Crossings on one cycle move together, and for the
+others there is a point strictly inside all bounds. From there a logarithmic barrier is followed; with m
+bounds and barrier weight v the sum is within m v of the least one, and that tells when to stop. (S. Boyd and
+L. Vandenberghe, Convex Optimization, 2004, section 11.)
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TypeAlias
+from itertools import chain, pairwise
+from math import lcm
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solveh_banded
+from scipy.sparse import csr_array, diags_array
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import spsolve
 
 Array: TypeAlias = NDArray[np.float64]
 Window: TypeAlias = tuple[Fraction, Fraction]
 
-_TICKS = 10**6
+TICK = Fraction(1, 10**6)
+"""What crossings are rounded to, and by how much a strict bound is kept; in seconds."""
+
 _GAP = 1e-9
 _EASING = 0.2
 _MOST_STEPS = 60
+_SHORTEST_STEP = 1e-9
+_DENSE = 40
+"""Up to so many unknowns, full matrices are quicker than sparse ones."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +56,27 @@ class Span:
     most: Fraction | None = None
 
 
-def cheapest_times(spans: Sequence[Span], windows: Sequence[Window]) -> list[Fraction]:
+@dataclass(frozen=True, slots=True)
+class Apart:
+    """Two crossings, by their numbers: from `earlier` to `later` it takes `least` or more; more, if strict.
+
+    A negative `least` bounds how long it takes the other way round.
+    """
+
+    earlier: int
+    later: int
+    least: Fraction
+    strict: bool = False
+
+    @property
+    def broken(self) -> Apart:
+        """What holds exactly where this does not."""
+        return Apart(self.later, self.earlier, -self.least, not self.strict)
+
+
+def cheapest_times(
+    spans: Sequence[Span], windows: Sequence[Window], apart: Sequence[Apart] = ()
+) -> list[Fraction] | None:
     """The crossings, a window each, with a span between each two; exact numbers that keep every bound.
 
     Parameters
@@ -52,113 +84,211 @@ def cheapest_times(spans: Sequence[Span], windows: Sequence[Window]) -> list[Fra
     spans
         In order.
     windows
-        One more than `spans`; some choice of the crossings must keep all bounds.
+        One more than `spans`.
+    apart
+        What else is asked of the crossings; a strict bound is kept by a millionth of a second.
+
+    Returns
+    -------
+    list of Fraction or None
+        ``None``, if no times keep all bounds.
 
     Examples
     --------
     >>> start, end = Fraction(0), Fraction(6)
     >>> spans = [Span(1.0, Fraction(1)), Span(4.0, Fraction(1))]
-    >>> [str(time) for time in cheapest_times(spans, [(start, start), (start, end), (end, end)])]
+    >>> windows = [(start, start), (start, end), (end, end)]
+    >>> [str(time) for time in cheapest_times(spans, windows)]
     ['0', '2', '6']
+    >>> [str(time) for time in cheapest_times(spans, windows, [Apart(2, 1, Fraction(-3))])]
+    ['0', '3', '6']
     """
-    windows = _narrowed(spans, windows)
-    chain = _Chain.of(spans, windows)
-    moments = chain.settle() if len(chain.low) > 1 else chain.low
-    times = [moments[group] + float(offset) for group, offset in chain.place]
-    return _exact(times, spans, windows)
+    bounds = list(_bounds(spans, windows, apart))
+    scale = lcm(TICK.denominator, *(least.denominator for _, _, least in bounds))
+    ticks = [(earlier, later, int(least * scale)) for earlier, later, least in bounds]
+    # Time 0 is a node of its own, behind the crossings.
+    earliest = _earliest(len(windows) + 1, ticks)
+    if earliest is None:
+        return None
+    choice = _Choice.of([span.cost for span in spans], ticks, earliest, scale)
+    return _nearest(choice.settle(), ticks, scale)
 
 
-def _narrowed(spans: Sequence[Span], windows: Sequence[Window]) -> list[Window]:
-    """The windows without the instants that no choice of the other crossings allows."""
-    low, high = [window[0] for window in windows], [window[1] for window in windows]
+def _bounds(
+    spans: Sequence[Span], windows: Sequence[Window], apart: Sequence[Apart]
+) -> Iterator[tuple[int, int, Fraction]]:
+    """Every bound, as how long it takes at least from a crossing to another."""
+    origin = len(windows)
+    for place, (low, high) in enumerate(windows):
+        yield origin, place, low
+        yield place, origin, -high
     for place, span in enumerate(spans):
-        low[place + 1] = max(low[place + 1], low[place] + span.least)
+        yield place, place + 1, span.least
         if span.most is not None:
-            high[place + 1] = min(high[place + 1], high[place] + span.most)
-    for place in range(len(spans) - 1, -1, -1):
-        high[place] = min(high[place], high[place + 1] - spans[place].least)
-        most = spans[place].most
-        if most is not None:
-            low[place] = max(low[place], low[place + 1] - most)
-    return list(zip(low, high, strict=True))
+            yield place + 1, place, -span.most
+    for one in apart:
+        yield one.earlier, one.later, one.least + (TICK if one.strict else 0)
 
 
-def _exact(times: Sequence[float], spans: Sequence[Span], windows: Sequence[Window]) -> list[Fraction]:
-    found = [windows[0][0]]
-    for time, span, (low, high) in zip(times[1:], spans, windows[1:], strict=True):
-        earliest = max(low, found[-1] + span.least)
-        latest = high if span.most is None else min(high, found[-1] + span.most)
-        found.append(min(max(Fraction(round(time * _TICKS), _TICKS), earliest), latest))
-    return found
+# ----------------------------------------------------------------------------------------- in whole ticks
+
+_Bound: TypeAlias = tuple[int, int, int]
+
+
+def _earliest(count: int, bounds: Sequence[_Bound]) -> list[int] | None:
+    """The least times that keep all bounds, the last node at time 0; ``None`` if there are none.
+
+    These are the longest ways from there: the algorithm of Bellman and Ford.
+    """
+    onward: list[list[tuple[int, int]]] = [[] for _ in range(count)]
+    for earlier, later, least in bounds:
+        onward[earlier].append((later, least))
+    times: list[int | None] = [None] * (count - 1) + [0]
+    visits = [0] * count
+    waiting, listed = deque([count - 1]), [False] * count
+    while waiting:
+        node = waiting.popleft()
+        listed[node] = False
+        visits[node] += 1
+        now = times[node]
+        if visits[node] > count:
+            return None
+        assert now is not None
+        for later, least in onward[node]:
+            known = times[later]
+            if known is None or known < now + least:
+                if later == count - 1:
+                    return None
+                times[later] = now + least
+                if not listed[later]:
+                    listed[later] = True
+                    waiting.append(later)
+    return [time for time in times if time is not None]
+
+
+def _latest(count: int, bounds: Sequence[_Bound]) -> list[int] | None:
+    """The greatest times that keep all bounds."""
+    mirrored = _earliest(count, [(later, earlier, least) for earlier, later, least in bounds])
+    return None if mirrored is None else [-time for time in mirrored]
+
+
+def _nearest(times: Sequence[float], bounds: Sequence[_Bound], scale: int) -> list[Fraction]:
+    """Times that keep all bounds, one after the other at the tick that is nearest to what it should be.
+
+    What is settled narrows what the others may be.
+    """
+    count = len(times) + 1
+    low, high = _earliest(count, bounds), _latest(count, bounds)
+    assert low is not None
+    assert high is not None
+    onward: list[list[tuple[int, int]]] = [[] for _ in range(count)]
+    back: list[list[tuple[int, int]]] = [[] for _ in range(count)]
+    for earlier, later, least in bounds:
+        onward[earlier].append((later, least))
+        back[later].append((earlier, least))
+    grid = scale // TICK.denominator
+    for place, time in enumerate(times):
+        settled = min(max(round(time * TICK.denominator) * grid, low[place]), high[place])
+        _push(low, onward, place, settled, 1)
+        _push(high, back, place, settled, -1)
+    return [Fraction(time, scale) for time in low[:-1]]
+
+
+def _push(
+    ends: list[int], ways: Sequence[Sequence[tuple[int, int]]], place: int, to: int, sense: int
+) -> None:
+    """Move one end, and those that it moves in turn: all least times up or all greatest times down."""
+    if ends[place] == to:
+        return
+    ends[place] = to
+    waiting = deque([place])
+    while waiting:
+        node = waiting.popleft()
+        for other, least in ways[node]:
+            pushed = ends[node] + sense * least
+            if sense * (pushed - ends[other]) > 0:
+                ends[other] = pushed
+                waiting.append(other)
+
+
+# ------------------------------------------------------------------------------------- what is left to choose
 
 
 @dataclass(frozen=True, slots=True)
-class _Chain:
-    """What is left to choose: a moment for each group of crossings that only move together.
+class _Choice:
+    """Groups of crossings that only move together, and the bounds between them, in seconds.
 
-    `place` is the group and the offset of each crossing; between group k and the next lies a span of duration
-    ``moment[k + 1] - moment[k] - behind[k]``, within `least` and `most`.
+    `offset` is how far behind its group's moment each crossing is; group 0 is that of time 0. The durations
+    of the spans between groups are ``change @ moments + lag``, where `moments` are those of the groups from 1
+    on; ``bound @ moments - limit`` are the margins of all bounds, which at `begin` are positive.
     """
 
-    place: list[tuple[int, Fraction]]
-    low: Array
-    high: Array
+    group: NDArray[np.int64]
+    offset: Array
     cost: Array
-    behind: Array
-    least: Array
-    most: Array
+    change: Any
+    lag: Array
+    bound: Any
+    limit: Array
+    begin: Array
 
     @classmethod
-    def of(cls, spans: Sequence[Span], windows: Sequence[Window]) -> _Chain:
-        place = [(0, Fraction(0))]
-        groups = [windows[0]]
-        rows: list[tuple[float, Fraction, Fraction, Fraction | None]] = []
-        for number, span in enumerate(spans):
-            (low, high), (next_low, next_high) = windows[number], windows[number + 1]
-            shortest = max(span.least, next_low - high)
-            longest = next_high - low if span.most is None else min(span.most, next_high - low)
-            group, offset = place[-1]
-            if shortest == longest:
-                place.append((group, offset + shortest))
-            else:
-                place.append((group + 1, Fraction(0)))
-                groups.append(windows[number + 1])
-                rows.append((span.cost, offset, span.least, span.most))
+    def of(
+        cls, costs: Sequence[float], bounds: Sequence[_Bound], earliest: Sequence[int], scale: int
+    ) -> _Choice:
+        count = len(earliest)
+        tight = np.array([(i, j) for i, j, least in bounds if earliest[j] - earliest[i] == least])
+        links = csr_array((np.ones(len(tight)), (tight[:, 0], tight[:, 1])), shape=(count, count))
+        groups, label = connected_components(links, directed=True, connection="strong")
+        # The group of time 0 comes first, the others in the order of their first crossing.
+        number: dict[int, int] = {int(label[count - 1]): 0}
+        for one in label.tolist():
+            number.setdefault(one, len(number))
+        group = [number[one] for one in label.tolist()]
+        first = {one: time for time, one in reversed([*zip(earliest, group, strict=True)])} | {0: 0}
+        offset = [time - first[one] for time, one in zip(earliest, group, strict=True)]
+        between = {
+            (group[i], group[j], least + offset[i] - offset[j])
+            for i, j, least in bounds
+            if group[i] != group[j]
+        }
+        moved = [
+            (group[i], group[j], offset[j] - offset[i], cost)
+            for cost, (i, j) in zip(costs, pairwise(range(count - 1)), strict=True)
+            if group[i] != group[j] and cost > 0
+        ]
+        ordered = sorted(between)
+        change = _differences([(i, j) for i, j, _, _ in moved], groups)
+        bound = _differences([(i, j) for i, j, _ in ordered], groups)
+        full = groups <= _DENSE
         return cls(
-            place,
-            low=np.array([float(first) for first, _ in groups]),
-            high=np.array([float(last) for _, last in groups]),
-            cost=np.array([cost for cost, _, _, _ in rows]),
-            behind=np.array([float(behind) for _, behind, _, _ in rows]),
-            least=np.array([float(least) for _, _, least, _ in rows]),
-            most=np.array([np.inf if most is None else float(most) for _, _, _, most in rows]),
+            np.array(group[:-1]),
+            np.array(offset[:-1]) / scale,
+            np.array([cost for _, _, _, cost in moved]),
+            change.toarray() if full else change,
+            np.array([lag for _, _, lag, _ in moved]) / scale,
+            bound.toarray() if full else bound,
+            np.array([least for _, _, least in ordered]) / scale,
+            _inside(groups, ordered) / scale,
         )
 
-    def settle(self) -> Array:
-        """The best moments, within a relative gap."""
-        moments = self._inside()
-        bounds = 2 * len(moments) + 2 * len(self.cost)
-        weight = self._sum(moments) / bounds
-        while bounds * weight > _GAP * self._sum(moments):
+    def settle(self) -> list[float]:
+        """The best times of the crossings, in seconds."""
+        moments = self.begin
+        if len(moments) and len(self.cost):
+            weight = self._sum(moments) / len(self.limit)
+            while len(self.limit) * weight > _GAP * self._sum(moments):
+                moments = self._centred(moments, weight)
+                weight *= _EASING
             moments = self._centred(moments, weight)
-            weight *= _EASING
-        return self._centred(moments, weight)
-
-    def _inside(self) -> Array:
-        """A point strictly between all bounds: each moment takes its part of what is left to those behind."""
-        moments: list[float] = []
-        count = len(self.low)
-        earliest, latest = float(self.low[0]), float(self.high[0])
-        for group in range(count):
-            moments.append(earliest + (latest - earliest) / (count + 1 - group))
-            if group < count - 1:
-                begin = moments[-1] + self.behind[group]
-                earliest = max(self.low[group + 1], begin + self.least[group])
-                latest = min(self.high[group + 1], begin + self.most[group])
-        return np.array(moments)
+        times: Array = np.append(0.0, moments)[self.group] + self.offset
+        return [float(time) for time in times]
 
     def _durations(self, moments: Array) -> Array:
-        return np.asarray(np.diff(moments) - self.behind)
+        return np.asarray(self.change @ moments + self.lag)
+
+    def _margins(self, moments: Array) -> Array:
+        return np.asarray(self.bound @ moments - self.limit)
 
     def _sum(self, moments: Array) -> float:
         return float((self.cost / self._durations(moments)).sum())
@@ -173,39 +303,60 @@ class _Chain:
             size = 1.0
             while not (found := self._barrier(moments + size * step, weight)) <= value - 0.1 * size * slope:
                 size /= 2
-                if size < 1e-9:
+                if size < _SHORTEST_STEP:
                     return moments
             moments, value = moments + size * step, found
         return moments
 
-    def _margins(self, moments: Array) -> tuple[Array, Array, Array, Array]:
-        """How far the moments and the durations are from their bounds."""
-        durations = self._durations(moments)
-        return moments - self.low, self.high - moments, durations - self.least, self.most - durations
-
     def _barrier(self, moments: Array, weight: float) -> float:
-        after, before, more, less = self._margins(moments)
-        free = self.low < self.high
-        margins = np.concatenate([after[free], before[free], more, less[np.isfinite(less)]])
-        if (margins <= 0).any():
+        margins = self._margins(moments)
+        if (margins <= 0).any() or (self._durations(moments) <= 0).any():
             return np.inf
         return self._sum(moments) - weight * float(np.log(margins).sum())
 
     def _newton(self, moments: Array, weight: float) -> tuple[Array, float]:
         """The step, and the decrease that it promises."""
-        free = self.low < self.high
-        after, before, more, less = self._margins(moments)
-        durations = self._durations(moments)
-        pull = -self.cost / durations**2 - weight / more + weight / less
-        stiffness = 2 * self.cost / durations**3 + weight / more**2 + weight / less**2
-        after, before = np.where(free, after, 1.0), np.where(free, before, 1.0)
-        gradient = weight / before - weight / after
-        diagonal = weight / before**2 + weight / after**2
-        gradient[1:] += pull
-        gradient[:-1] -= pull
-        diagonal[1:] += stiffness
-        diagonal[:-1] += stiffness
-        beside = np.where(free[1:] & free[:-1], -stiffness, 0.0)
-        gradient, diagonal = np.where(free, gradient, 0.0), np.where(free, diagonal, 1.0)
-        step = solveh_banded(np.vstack([np.append(0.0, beside), diagonal]), -gradient)
-        return step, float(-gradient @ step)
+        durations, margins = self._durations(moments), self._margins(moments)
+        downhill = self.change.T @ (self.cost / durations**2) + weight * (self.bound.T @ (1 / margins))
+        curved = _weighed(self.change, 2 * self.cost / durations**3)
+        curved = curved + _weighed(self.bound, weight / margins**2)
+        step = _solved(curved, downhill)
+        return step, float(downhill @ step)
+
+
+def _inside(groups: int, bounds: Sequence[_Bound]) -> Array:
+    """Times of the groups from 1 on, strictly between all bounds, about as far as is possible, in ticks."""
+    if groups == 1:
+        return np.zeros(0)
+    # Time 0 comes last there. A cycle has a bound for every group at most, and a tick or more to spare: with
+    # whole ticks made that much finer, a bound can always be kept by one.
+    finer = groups + 1
+    turned = [((i - 1) % groups, (j - 1) % groups, least * finer) for i, j, least in bounds]
+    spare = max(1, *(abs(least) for _, _, least in turned))
+    while True:
+        eased = [(i, j, least + spare) for i, j, least in turned]
+        low, high = _earliest(groups, eased), _latest(groups, eased)
+        if low is not None and high is not None:
+            middle: Array = (np.array(low[:-1], dtype=np.float64) + np.array(high[:-1])) / 2
+            return middle / finer
+        assert spare > 1
+        spare = max(1, spare // 4)
+
+
+def _differences(pairs: Sequence[tuple[int, int]], groups: int) -> Any:
+    """For each pair the row of the second moment less the first; group 0 is always at time 0."""
+    rows = np.repeat(np.arange(len(pairs)), 2)
+    columns = np.fromiter(chain.from_iterable(pairs), dtype=np.int64) - 1
+    signs = np.tile([-1.0, 1.0], len(pairs))
+    kept = columns >= 0
+    return csr_array((signs[kept], (rows[kept], columns[kept])), shape=(len(pairs), groups - 1))
+
+
+def _weighed(rows: Any, weights: Array) -> Any:
+    """The sum of the squares of the rows, a weight each, as a matrix."""
+    return rows.T @ (rows * weights[:, None] if isinstance(rows, np.ndarray) else diags_array(weights) @ rows)
+
+
+def _solved(matrix: Any, right: Array) -> Array:
+    full = isinstance(matrix, np.ndarray)
+    return np.asarray(np.linalg.solve(matrix, right) if full else spsolve(matrix.tocsc(), right))

@@ -173,8 +173,7 @@ def compress(
     move_time = _move_time(workspace)
     if move_time is None:
         return None
-    classes, counts = np.unique(label_class, return_counts=True)
-    plain = label_class == classes[np.argmax(counts)]
+    plain = label_class == np.argmax(np.bincount(label_class))
     plain[list(starts)] = False
     keys = np.flatnonzero(~plain)
     if len(keys) * workspace.cell_count > MOST_CELL_VISITS or not plain.any():
@@ -218,8 +217,8 @@ def look_alike(workspace: Workspace, told_apart: Iterable[Collection[int]]) -> N
 
 def _move_time(workspace: Workspace) -> Fraction | None:
     """The least time of every move, if the robot may wait and it is the same for all and positive."""
-    least = np.unique(workspace.least)
-    if not workspace.waiting or len(least) != 1:
+    least = workspace.least
+    if not workspace.waiting or len(least) == 0 or least.min() != least.max():
         return None
     time = workspace.durations[int(least[0])]
     return time if time > 0 else None

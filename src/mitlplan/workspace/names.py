@@ -96,7 +96,7 @@ class GridNames(Sequence[str]):
         if not (0 <= row < rows and 0 <= column < columns):
             return None
         place = row * columns + column
-        index = int(np.searchsorted(self.place, place))
+        index = int(self.place.searchsorted(place))
         return index if index < len(self.place) and self.place[index] == place else None
 
     def advise(self, name: str) -> str:

@@ -6,6 +6,7 @@ cell. Times stay exact: the arrays hold indices into a short tuple of the distin
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -106,8 +107,19 @@ class Workspace:
     def moves_from(self, cell: int) -> range:
         """The indices of the moves that leave `cell`."""
         # Of the same type as the sources, lest all of them be converted at every call.
-        first, last = np.searchsorted(self.source, np.array((cell, cell + 1), dtype=self.source.dtype))
+        first, last = self.source.searchsorted(np.array((cell, cell + 1), dtype=self.source.dtype))
         return range(int(first), int(last))
+
+    def moves_along(self, cells: Sequence[int]) -> list[range]:
+        """For each cell but the last the indices of the moves to the next one; none from what is no cell."""
+        here = np.array(cells[:-1], dtype=self.source.dtype)
+        firsts = self.source.searchsorted(here).tolist()
+        lasts = self.source.searchsorted(here, side="right").tolist()
+        ways = []
+        for first, last, onward in zip(firsts, lasts, cells[1:], strict=True):
+            targets = self.target[first:last].tolist()
+            ways.append(range(first + bisect_left(targets, onward), first + bisect_right(targets, onward)))
+        return ways
 
     def least_time(self, move: int) -> Fraction:
         """The least time that `move` takes, in seconds."""

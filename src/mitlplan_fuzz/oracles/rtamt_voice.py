@@ -14,7 +14,6 @@ from functools import cache
 from importlib.util import find_spec
 
 from mitlplan.logic import formula as f
-from mitlplan.logic.interval import Interval
 from mitlplan_fuzz.formulas import parts
 
 NO_RTAMT = "rtamt is not installed here, and has no say: pip install 'mitlplan[fuzz]'"

@@ -40,7 +40,7 @@ def without_stopped_clocks(model: PublishedModel) -> PublishedModel:
     network = Network(
         automata=(_doubled(system, stopped), _beginning(generator, stopped), *others),
         clocks=model.network.clocks,
-        channels=(*model.network.channels, Channel(THAW, broadcast=True)),
+        channels=(*model.network.channels, Channel(THAW)),
         variables=model.network.variables,
     )
     most = max(model.layers) + 1
