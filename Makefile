@@ -15,10 +15,10 @@ compile = mkdir -p $(1) && { $(BIN)/cmake -S . -B $(1) -G Ninja -DCMAKE_MAKE_PRO
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help build demo test lint types imports unit sanitize fuzz bench paper native clean
+.PHONY: help build demo test lint types imports unit sanitize sanitize-all fuzz fuzz-readers bench paper native clean
 
 help: ## this list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-9s %s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' Makefile
 
 # --- environment: each step leaves a stamp, so what is done is not done again ---
 
@@ -87,13 +87,29 @@ $(STAMPS)/sanitize: $(STAMPS)/dev $(NATIVE)
 	@$(call compile,build/sanitize,-DMITLPLAN_SANITIZE=ON)
 	@touch $@
 
+# The programs that tests start are sanitized too: Python takes tests/sanitized/sitecustomize.py when it starts.
+SANITIZED = LD_PRELOAD="$(PRELOAD)" ASAN_OPTIONS=detect_leaks=0 MITLPLAN_NATIVE="$(CURDIR)/build/sanitize" \
+  PYTHONPATH="$(CURDIR)/tests/sanitized" $(BIN)/pytest --quiet -n $(JOBS)
+
 sanitize: $(STAMPS)/sanitize ## the tests of the native half, under the address and undefined behaviour sanitizers
 	$(call say,pytest under sanitizers)
-	@LD_PRELOAD="$(PRELOAD)" ASAN_OPTIONS=detect_leaks=0 MITLPLAN_NATIVE=build/sanitize \
-	  $(BIN)/pytest --quiet -n $(JOBS) tests/native $(wildcard tests/search)
+	@$(SANITIZED) tests/native tests/search
 
-fuzz: $(STAMPS)/dev ## random missions without end, other ones every time: engine, oracle and judge
-	@$(BIN)/python -m tests.fuzz --seed $$(date +%s)
+sanitize-all: $(STAMPS)/sanitize ## every test there is, under the sanitizers
+	$(call say,pytest under sanitizers, all of it)
+	@$(SANITIZED) --timeout=600
+
+fuzz: $(STAMPS)/dev ## random missions without end, other ones every time, put to every voice
+	@$(BIN)/mitlplan-fuzz --seed $$(date +%s) --jobs $(JOBS)
+
+SECONDS ?= 600
+
+$(STAMPS)/fuzz: $(STAMPS)/dev pyproject.toml
+	@$(PIP) install --group fuzz
+	@touch $@
+
+fuzz-readers: $(STAMPS)/fuzz ## every reader of files, guided by coverage, SECONDS each
+	@$(BIN)/mitlplan-fuzz --readers --seconds $(SECONDS)
 
 $(STAMPS)/bench: $(STAMPS)/build benchmarks/requirements.txt
 	$(call say,install the peers)

@@ -25,7 +25,7 @@ from mitlplan.logic.signal import Segment, Signal
 from mitlplan.mission import Mission, mission_from_mapping
 from mitlplan.plan import Infeasible, Plan
 from mitlplan.planner import Satisfiable, Unsatisfiable, equivalent, plan, satisfiable, valid
-from tests.oracles.tick_planner import Least, NoneUpTo, least_by_progression
+from mitlplan_fuzz.oracles.tick_planner import Least, NoneUpTo, least_by_progression
 
 if sys.version_info >= (3, 11):
     import tomllib

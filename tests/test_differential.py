@@ -1,7 +1,7 @@
 """Engine, oracle and judge on ten thousand random missions.
 
 A failure prints the seed, the sentences on which they differ, and the mission file; to look at one again:
-``python -m tests.fuzz --seed 4711 --missions 1``. `make fuzz` goes on for as long as one likes.
+``mitlplan-fuzz --seed 4711 --cases 1``. `make fuzz` goes on for as long as one likes.
 """
 
 from __future__ import annotations
@@ -12,9 +12,10 @@ from hypothesis import given, settings
 from mitlplan.mission import read
 from mitlplan.plan import Outcome
 from mitlplan.planner import plan
-from tests.comparison import disagreements, mission_of, oracle
-from tests.mission_strategies import SmallMission, missions, random_mission
-from tests.oracles.tick_planner import Least
+from mitlplan_fuzz.comparison import disagreements, mission_of, oracle
+from mitlplan_fuzz.missions import SmallMission, random_mission
+from mitlplan_fuzz.oracles.tick_planner import Least
+from tests.mission_strategies import missions
 
 MISSIONS = 10_000
 CHUNK = 125

@@ -113,11 +113,12 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
     assert str(caught.value) == f"{tmp_path / 'nowhere.yaml'}: cannot read it: No such file or directory"
 
 
-def test_a_file_that_is_huge(tmp_path: Path) -> None:
-    file = tmp_path / "huge.yaml"
+@pytest.mark.parametrize(("name", "most"), [("huge.yaml", "8 MB of YAML"), ("huge.json", "32 MB of JSON")])
+def test_a_file_that_is_huge(tmp_path: Path, name: str, most: str) -> None:
+    file = tmp_path / name
     with file.open("wb") as stream:
         stream.truncate(2**30)
-    with pytest.raises(MissionError, match="the file is too large; at most 32 MB are read"):
+    with pytest.raises(MissionError, match=f"the file is too large; at most {most} are read"):
         read_document(file)
 
 

@@ -22,9 +22,9 @@ from mitlplan.planner import plan
 from mitlplan.search.fastest import Limits
 from mitlplan.search.reach import reach
 from mitlplan.workspace import grid
-from tests.comparison import mission_of
+from mitlplan_fuzz.comparison import mission_of
+from mitlplan_fuzz.missions import random_mission
 from tests.formats.test_verifyta import OLD, pretended, split
-from tests.mission_strategies import random_mission
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 

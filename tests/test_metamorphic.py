@@ -17,8 +17,8 @@ from mitlplan.logic import formula as f
 from mitlplan.mission import Mission, Requirement
 from mitlplan.plan import Infeasible, LimitReached, Outcome, Plan
 from mitlplan.planner import plan
-from tests.comparison import mission_of
-from tests.mission_strategies import (
+from mitlplan_fuzz.comparison import mission_of
+from mitlplan_fuzz.missions import (
     SeededChoices,
     SmallMission,
     draw_formula,
@@ -28,7 +28,7 @@ from tests.mission_strategies import (
     trivial,
     with_operands,
 )
-from tests.oracles.progression import co_safe, need_of
+from mitlplan_fuzz.oracles.progression import co_safe, need_of
 
 CHUNKS = range(50_000, 50_240, 40)
 LONGEST = 2.0

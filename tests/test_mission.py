@@ -13,7 +13,7 @@ from mitlplan.logic.formula import Atom, Eventually
 from mitlplan.logic.normalize import warnings
 from mitlplan.logic.parse import parse
 from mitlplan.mission import Mission, mission_from_mapping, read, schema
-from tests.mission_strategies import SmallMission, random_mission
+from mitlplan_fuzz.missions import SmallMission, random_mission
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 

@@ -20,18 +20,11 @@ from mitlplan.logic.parse import parse
 from mitlplan.logic.semantics import satisfies
 from mitlplan.logic.signal import Segment, Signal
 from mitlplan.workspace.graph import Move, graph
-from tests.mission_strategies import (
-    SeededChoices,
-    SmallMission,
-    draw_formula,
-    missions,
-    random_mission,
-    text_of,
-)
-from tests.oracles.path_checker import fault_in_path
-from tests.oracles.progression import Cycle, TooLargeError, co_safe, need_of
-from tests.oracles.rtamt_voice import monitored, reach, speaks_of
-from tests.oracles.tick_planner import (
+from mitlplan_fuzz.missions import SeededChoices, SmallMission, draw_formula, random_mission, text_of
+from mitlplan_fuzz.oracles.path_checker import fault_in_path
+from mitlplan_fuzz.oracles.progression import Cycle, TooLargeError, co_safe, need_of
+from mitlplan_fuzz.oracles.rtamt_voice import monitored, reach, speaks_of
+from mitlplan_fuzz.oracles.tick_planner import (
     Answer,
     Least,
     NoneUpTo,
@@ -39,6 +32,7 @@ from tests.oracles.tick_planner import (
     least_by_progression,
     signal_of,
 )
+from tests.mission_strategies import missions
 
 TWO_BY_TWO = SmallMission(
     cells=(("pos0", ("start",)), ("pos1", ("B",)), ("pos2", ()), ("pos3", ("A",))),

@@ -18,8 +18,8 @@ from mitlplan.logic.parse import parse
 from mitlplan.mission import Mission, mission_from_mapping, read
 from mitlplan.plan import Infeasible, Outcome, Plan, Statistics
 from mitlplan.planner import Satisfiable, equivalent, plan, satisfiable
-from tests.comparison import mission_of
-from tests.mission_strategies import random_mission
+from mitlplan_fuzz.comparison import mission_of
+from mitlplan_fuzz.missions import random_mission
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 LONGEST = 10.0

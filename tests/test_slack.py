@@ -10,8 +10,8 @@ import pytest
 from mitlplan.mission import mission_from_mapping
 from mitlplan.plan import Plan
 from mitlplan.planner import plan
-from tests.comparison import mission_of
-from tests.mission_strategies import SmallMission, random_mission
+from mitlplan_fuzz.comparison import mission_of
+from mitlplan_fuzz.missions import SmallMission, random_mission
 from tests.oracles.brute_slack import FARTHEST, STEP, possible, slack_by_trying
 
 

@@ -26,7 +26,7 @@ from mitlplan.search.tables import tabulate
 from mitlplan.tour import PlannedLoop, Visit, recurring, shortest_tour
 from mitlplan.workspace import Move, graph, grid
 from mitlplan.workspace.workspace import Workspace
-from tests.mission_strategies import SeededChoices, draw_formula
+from mitlplan_fuzz.missions import SeededChoices, draw_formula
 
 NAMES = ("A", "B", "C")
 

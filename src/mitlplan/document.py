@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import pathlib
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
@@ -33,8 +34,11 @@ from mitlplan.errors import MissionError
 Path: TypeAlias = Sequence[str | int]
 """Keys and places from the root of a document to a value in it."""
 
-_MOST_BYTES = 32 * 2**20
+_MOST_BYTES = {"JSON": 32 * 2**20, "YAML": 8 * 2**20}
+_MOST_VALUES = 1_000_000
 _DEEPEST = 30
+_TOO_MANY = f"the file holds too much; at most {_MOST_VALUES} values are read"
+_SURROGATE = re.compile(r"\\(?:u|U0000)[dD][89a-fA-F]")
 
 
 @dataclass(slots=True)
@@ -135,21 +139,38 @@ def read_document(file: pathlib.Path, *, json_only: bool = False) -> Document:
     MissionError
         If it cannot be read, with line and column.
     """
+    kind = "JSON" if json_only or file.suffix == ".json" else "YAML"
+    most = _MOST_BYTES[kind]
     try:
         with file.open("rb") as stream:
-            content = stream.read(_MOST_BYTES + 1)
+            content = stream.read(most + 1)
     except OSError as error:
         raise MissionError(f"cannot read it: {error.strerror}", file=str(file)) from None
-    if len(content) > _MOST_BYTES:
-        raise MissionError(f"the file is too large; at most {_MOST_BYTES >> 20} MB are read", file=str(file))
+    if len(content) > most:
+        problem = f"the file is too large; at most {most >> 20} MB of {kind} are read"
+        raise MissionError(problem, file=str(file))
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise MissionError("the file is no text in UTF-8", file=str(file), line=line) from None
-    is_json = json_only or file.suffix == ".json"
-    data = _json(text, str(file)) if is_json else _plain(_tree(text, str(file)))
+    data = _json(text, str(file)) if kind == "JSON" else _plain(_tree(text, str(file)))
+    if _SURROGATE.search(text):
+        _refuse_halves(data, str(file))
     return Document(data, str(file), text)
+
+
+def _refuse_halves(data: Any, file: str) -> None:
+    """Refuse texts with half of a pair of surrogates, which are characters in no encoding."""
+    pending = [data]
+    while pending:
+        match pending.pop():
+            case dict() as entries:
+                pending += [*entries, *entries.values()]
+            case list() as items:
+                pending += items
+            case str() as text if any("\ud800" <= sign <= "\udfff" for sign in text):
+                raise MissionError(f"the text {text!r} holds half of a character", file=file)
 
 
 class _RepeatedKeyError(Exception):
@@ -157,6 +178,9 @@ class _RepeatedKeyError(Exception):
 
 
 def _json(text: str, file: str) -> Any:
+    # Every value but the first in its list or object has a comma before it.
+    if text.count(",") + text.count("[") + text.count("{") > 2 * _MOST_VALUES:
+        raise MissionError(_TOO_MANY, file=file)
     try:
         return json.loads(
             text, parse_int=str, parse_float=str, parse_constant=str, object_pairs_hook=_different_keys
@@ -212,7 +236,8 @@ def _tree(text: str, file: str) -> _Node:
         raise MissionError(
             f"the character U+{ord(text[error.position]):04X} may not stand in YAML", file=file, line=line
         ) from None
-    except YAMLError as error:
+    except (YAMLError, ValueError, OverflowError) as error:
+        # The parser itself stumbles over an escape such as \U00110000.
         raise MissionError(f"this is no YAML: {error}", file=file) from None
     if builder.root is None:
         raise MissionError("the file is empty", file=file, line=1, column=1)
@@ -226,6 +251,7 @@ class _Builder:
         self.file = file
         self.root: _Node | None = None
         self._open: list[_Node] = []
+        self._count = 0
         self._keys: list[_Node | None] = []
 
     def take(self, event: Event) -> None:
@@ -246,6 +272,9 @@ class _Builder:
         tag = getattr(event, "tag", None)
         if tag is not None:
             raise self._fault("put this in quotes: YAML takes a text that begins with ! for a tag", event)
+        self._count += 1
+        if self._count > _MOST_VALUES:
+            raise self._fault(_TOO_MANY, event)
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
         match event:
             case ScalarEvent():

@@ -388,6 +388,11 @@ def any_loop(question: Question, limits: Limits) -> Loops:
     known = _loop_of_tour(question, limits)
     if known.loop is not None or known.exists is False:
         return known
+    workspace = question.workspace
+    if workspace.cell_count <= FEW_CELLS and _stays_are_given(workspace):
+        tried = _walks(question, known.bound, None, limits, EFFORTS[0][0])
+        if tried.loop is not None or tried.complete_up_to is None:
+            return replace(known, loop=tried.loop, exists=tried.loop is not None)
     found = _loop_of_zone_graph(question, limits)
     return replace(found, bound=max(known.bound, found.bound), states=known.states + found.states)
 

@@ -13,7 +13,7 @@ from fractions import Fraction
 from mitlplan.logic.semantics import satisfies
 from mitlplan.logic.signal import Segment, Signal
 from mitlplan.plan import Plan
-from tests.mission_strategies import SmallMission
+from mitlplan_fuzz.missions import SmallMission
 
 STEP = Fraction(1, 2)
 LONGEST = 5

@@ -24,7 +24,7 @@ from mitlplan.search.tables import Tables, tabulate
 from mitlplan.workspace import Move, graph, grid
 from mitlplan.workspace.compress import Compressed, PlannedStay, compress, look_alike
 from mitlplan.workspace.workspace import Workspace
-from tests.mission_strategies import SeededChoices, draw_formula, text_of
+from mitlplan_fuzz.missions import SeededChoices, draw_formula, text_of
 
 EPSILON = Fraction(1, 1000)
 LIMITS = Limits(megabytes=4)

@@ -8,6 +8,7 @@ from mitlplan.formats.uppaal_scope import ClockName, View
 from mitlplan.formats.uppaal_syntax import Name, Operation, Place, Reader, Tree
 
 MOST_TARGETS = 10_000
+_TOO_MANY = f"the query has too many cases; at most {MOST_TARGETS} are read"
 
 
 def read_query(text: str, model: UppaalModel) -> Query:
@@ -51,13 +52,16 @@ def _targets(tree: Tree, model: UppaalModel, view: View) -> list[Target]:
     """The disjunctive normal form."""
     match tree:
         case Operation("||", operands):
-            return [target for operand in operands for target in _targets(operand, model, view)]
+            cases = [target for operand in operands for target in _targets(operand, model, view)]
+            if len(cases) > MOST_TARGETS:
+                raise view.place.complain(_TOO_MANY)
+            return cases
         case Operation("&&", operands):
             result = [Target()]
             for operand in operands:
                 parts = _targets(operand, model, view)
                 if len(result) * len(parts) > MOST_TARGETS:
-                    raise view.place.complain("the query has too many cases")
+                    raise view.place.complain(_TOO_MANY)
                 pairs = (_joined(one, other) for one in result for other in parts)
                 result = [both for both in pairs if both is not None]
             return result

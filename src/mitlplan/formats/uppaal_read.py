@@ -19,7 +19,7 @@ from mitlplan.formats.uppaal_declarations import MOST_NAMES, UNBOUNDED, Declarat
 from mitlplan.formats.uppaal_process import read_process
 from mitlplan.formats.uppaal_scope import Scope, TypeName
 from mitlplan.formats.uppaal_syntax import Place, Reader
-from mitlplan.formats.uppaal_tree import Node, parse_xml, place_of
+from mitlplan.formats.uppaal_tree import MOST_ELEMENTS, Node, parse_xml, place_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,9 +195,12 @@ class _Model:
                 every = list(self._unbound(reader, name))
             else:
                 raise reader.complain(f"there is no template or process {name}")
-            made += len(every)
-            if made > MOST_NAMES:
-                raise reader.complain(f"more than {MOST_NAMES} processes are not read")
+            made += len(every) * len(self._templates[template].node.children)
+            if made > MOST_ELEMENTS:
+                raise reader.complain(
+                    f"the processes have more than {MOST_ELEMENTS} locations and transitions together, "
+                    "which is not read"
+                )
             for process, values in every:
                 node = self._templates[template].node
                 scope = self._process_scope(self._templates[template], process, values)

@@ -19,6 +19,9 @@ from mitlplan.automata.timed_automaton import (
 from mitlplan.automata.transducer import Constraint, Relation
 from mitlplan.formats.uppaal_syntax import Constant, Name, Operation, Place, Tree
 
+GREATEST = 10**9
+"""Of the numbers that constants come to."""
+
 _MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
 
 
@@ -126,13 +129,22 @@ class View:
                     return Variable(meaning.name)
                 raise self.place.complain(f"{tree} is no integer", line)
             case Operation("-1", (operand,)):
-                return _simplified("-", Number(0), self.integer(operand, line))
+                return self._simplified("-", Number(0), self.integer(operand, line), line)
             case Operation("+1", (operand,)):
                 return self.integer(operand, line)
             case Operation("+" | "-" | "*" as operator, (left, right)):
-                return _simplified(operator, self.integer(left, line), self.integer(right, line))
+                return self._simplified(operator, self.integer(left, line), self.integer(right, line), line)
             case Operation(operator):
                 raise self.place.complain(f"'{operator[0]}' is not read in an expression over integers", line)
+
+    def _simplified(self, operator: str, left: Expression, right: Expression, line: int | None) -> Expression:
+        value = Arithmetic(operator, left, right)
+        if not (isinstance(left, Number) and isinstance(right, Number)):
+            return value
+        number = value_of(value, {})
+        if abs(number) > GREATEST:
+            raise self.place.complain(f"a number beyond {GREATEST} comes out here, which is not read", line)
+        return Number(number)
 
     def condition(self, part: Tree) -> tuple[list[Constraint], list[Test]]:
         """One conjunct of a guard, as bounds on clocks or as a comparison of integers."""
@@ -190,13 +202,6 @@ class View:
             raise self.place.complain(f"the clock {clock} is never negative, but compared with {value}")
         signs = [">=", "<="] if sign == "==" else [sign]
         return [Constraint(clock, Relation(each), Fraction(value)) for each in signs]
-
-
-def _simplified(operator: str, left: Expression, right: Expression) -> Expression:
-    value = Arithmetic(operator, left, right)
-    if isinstance(left, Number) and isinstance(right, Number):
-        return Number(value_of(value, {}))
-    return value
 
 
 Make: TypeAlias = Callable[[str], Element]

@@ -18,6 +18,7 @@ MOST_DIGITS = 9
 
 _WORDS = re.compile(
     r"(?P<space>\s+|//[^\n]*|/\*.*?\*/)"
+    r"|(?P<unclosed>/\*)"
     r"|(?P<query>E<>)"
     r"|(?P<number>\d+)"
     r"|(?P<name>[A-Za-z_]\w*)"
@@ -70,7 +71,7 @@ class Name:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """An operator with one operand or two."""
+    """An operator with one operand or two; ``&&`` and ``||`` may have more."""
 
     operator: str
     operands: tuple[Tree, ...]
@@ -90,6 +91,9 @@ _LEVELS: tuple[tuple[str, ...], ...] = (
 )
 """Binary operators, loosest first."""
 
+_LONG = _LEVELS[:2]
+"""Those with any number of operands."""
+
 
 def words_of(text: str, place: Place) -> list[Word]:
     """The words of `text`, without spaces and comments.
@@ -106,6 +110,8 @@ def words_of(text: str, place: Place) -> list[Word]:
         if match is None:
             raise place.complain(f"{text[at]!r} is not understood here", line)
         kind = str(match.lastgroup)
+        if kind == "unclosed":
+            raise place.complain("the comment that begins here does not end", line)
         if kind == "number" and len(match[0]) > MOST_DIGITS:
             raise place.complain(f"the number {match[0][:20]} is too large", line)
         if kind != "space":
@@ -197,22 +203,18 @@ class Reader:
         if level == len(_LEVELS):
             return self._unary()
         left = self._binary(level + 1)
+        if _LEVELS[level] in _LONG:
+            operands = [left]
+            while self.take(*_LEVELS[level]):
+                operands.append(self._binary(level + 1))
+            return left if len(operands) == 1 else Operation(_LEVELS[level][0], tuple(operands))
         count = 0
         while self.next_is(*_LEVELS[level]):
-            operator = self.word()
             count += 1
             if count > DEEPEST:
-                left = self._flat(left, operator, level)
-                continue
-            left = Operation(operator, (left, self._binary(level + 1)))
+                raise self.complain(f"an expression with more than {DEEPEST} operators in a row is not read")
+            left = Operation(self.word(), (left, self._binary(level + 1)))
         return left
-
-    def _flat(self, left: Tree, operator: str, level: int) -> Tree:
-        """Long conjunctions are kept shallow; other chains of this length are refused."""
-        right = self._binary(level + 1)
-        if isinstance(left, Operation) and left.operator == operator and operator in ("&&", "||"):
-            return Operation(operator, (*left.operands, right))
-        raise self.complain(f"an expression with more than {DEEPEST} operators in a row is not read")
 
     def _unary(self) -> Tree:
         self._depth += 1

@@ -16,7 +16,7 @@ from mitlplan.errors import ModelError
 from mitlplan.formats.uppaal_syntax import Place
 
 MOST_BYTES = 64 * 2**20
-MOST_ELEMENTS = 2_000_000
+MOST_ELEMENTS = 1_000_000
 MOST_LEVELS = 12
 
 

@@ -40,8 +40,8 @@ _ABSENT = (
 )
 
 _VERDICT = re.compile(r"(?:Property|Formula) (is NOT|is|MAY be) satisfied")
-_SECTION = re.compile(r"^\s*(State|Transitions?|Delay)\s*:?", re.MULTILINE)
-_EDGE = re.compile(r"(\w+)\.(\w+)\s*->\s*(\w+)\.(\w+)\s*(?:\{([^}]*)\})?", re.ASCII)
+_SECTION = re.compile(r"^[ \t]*(State|Transitions?|Delay)\s*:?", re.MULTILINE)
+_EDGE = re.compile(r"\b(\w+)\.(\w+)\s*->\s*(\w+)\.(\w+)\s*(?:\{([^{}]*)\})?", re.ASCII)
 _OUT_OF_MEMORY = re.compile("out of memory|bad_alloc", re.IGNORECASE)
 
 _LOOK = 0.1

@@ -271,7 +271,8 @@ _FOREIGN_SIGNS = {
 
 _MOST_SHOWN = 30
 _NO_NAMES = "the single letters F G U R W X V are operators, not names"
-_WORD_BEFORE = re.compile(r"([^\W\d_][\w.]*)\s*\Z")
+# From the beginning of a word only, or the search would look at a long one again from each of its letters.
+_WORD_BEFORE = re.compile(r"(?<![\w.])([^\W\d_][\w.]*)\s*\Z")
 _UNDERSCORED_OPERATOR = re.compile(r"[FGURWXV]_")
 _GLUED_OPERATORS = re.compile(r"[FGXURWV]{2,}_?")
 _CAPITAL_WORDS = re.compile(r"and|or|not", re.IGNORECASE)

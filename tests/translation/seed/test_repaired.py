@@ -19,7 +19,7 @@ from mitlplan.translation.compact.translate import Obligations
 from mitlplan.translation.seed import exact_transducers, repaired, two_sided
 from mitlplan.workspace import Move, Workspace, graph
 from mitlplan.workspace.abstract import abstract
-from tests.mission_strategies import SmallMission, random_mission
+from mitlplan_fuzz.missions import SmallMission, random_mission
 
 LIMITS = Limits(seconds=2)
 LATEST = Fraction(14)

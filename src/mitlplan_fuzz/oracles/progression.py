@@ -72,6 +72,7 @@ class Timed:
 
     @property
     def includes_zero(self) -> bool:
+        """Whether it may be met at once."""
         return self.lower == 0 and not self.lower_open
 
     def window(self, phase: int) -> tuple[int, int | None]:

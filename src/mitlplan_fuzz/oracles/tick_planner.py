@@ -19,11 +19,20 @@ import heapq
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Literal
 
 from mitlplan.logic.formula import Formula
 from mitlplan.logic.signal import Segment, Signal
 from mitlplan.workspace.workspace import Workspace
-from tests.oracles.progression import OPEN, POINT, Cycle, Progression, co_safe, holds_at_the_end, need_of
+from mitlplan_fuzz.oracles.progression import (
+    OPEN,
+    POINT,
+    Cycle,
+    Progression,
+    co_safe,
+    holds_at_the_end,
+    need_of,
+)
 
 Stays = tuple[tuple[int, int], ...]
 """Cells and their times of entry, in order."""
@@ -44,6 +53,7 @@ class Least:
 
     @property
     def moves(self) -> int:
+        """The moves up to the makespan, the one that closes a loop included."""
         return len(self.stays) - (self.kind != "looping")
 
 
@@ -71,10 +81,12 @@ class TickMap:
                 least = workspace.least_time(move) * resolution
                 most = workspace.most_time(move)
                 longest = None if most is None else most * resolution
-                if least < 1 or least.denominator != 1 or (longest is not None and longest.denominator != 1):
-                    raise ValueError("the tick planner needs times that are whole numbers of ticks, not 0")
+                if least.denominator != 1 or (longest is not None and longest.denominator != 1):
+                    raise ValueError("the tick planner needs times that are whole numbers of ticks")
+                # Any positive stay is a tick at least.
+                shortest = max(int(least), 1)
                 self.moves[cell].append(
-                    (int(workspace.target[move]), int(least), None if longest is None else int(longest))
+                    (int(workspace.target[move]), shortest, None if longest is None else int(longest))
                 )
 
     def exits(self, cell: int, stayed: int) -> Iterator[int]:
@@ -314,8 +326,8 @@ def least_by_enumeration(
     formula: Formula,
     *,
     bound: int,
-    until: str = "standard",
-    horizon: str = "infinite",
+    until: Literal["standard", "closed"] = "standard",
+    horizon: Literal["infinite", "finite"] = "infinite",
     resolution: int = 1,
 ) -> Answer:
     """As :func:`least_by_progression`, the plans listed one by one and each shown to the judge."""

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
 
-from tests.mission_strategies import SmallMission
+from mitlplan_fuzz.missions import SmallMission
 
 
 def fault_in_path(
@@ -38,7 +38,9 @@ def fault_in_path(
 
 def _move_exists(mission: SmallMission, origin: str, target: str, stay: Fraction) -> bool:
     return any(
-        (origin, target) == (source, destination) and least <= stay and (mission.waiting or stay <= most)
+        (origin, target) == (source, destination)
+        and 0 < stay >= least
+        and (mission.waiting or most is None or stay <= most)
         for source, destination, least, most in mission.moves
     )
 
@@ -46,4 +48,6 @@ def _move_exists(mission: SmallMission, origin: str, target: str, stay: Fraction
 def _stay_is_possible(mission: SmallMission, cell: str, stay: Fraction) -> bool:
     if stay == 0 or mission.waiting:
         return stay >= 0
-    return stay > 0 and any(source == cell and stay < most for source, _, _, most in mission.moves)
+    return stay > 0 and any(
+        source == cell and (most is None or stay < most) for source, _, _, most in mission.moves
+    )

@@ -10,17 +10,34 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-
-import pytest
+from functools import cache
+from importlib.util import find_spec
 
 from mitlplan.logic import formula as f
-from mitlplan.logic.interval import Interval
-from tests.mission_strategies import parts
+from mitlplan_fuzz.formulas import parts
+
+NO_RTAMT = "rtamt is not installed here, and has no say: pip install 'mitlplan[fuzz]'"
+
+
+@cache
+def rtamt_is_there() -> bool:
+    """Whether this voice can be heard: it is installed, and can be imported by this version of Python."""
+    if find_spec("rtamt") is None:
+        return False
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            import rtamt  # noqa: F401
+        except ImportError:
+            return False
+    return True
 
 
 def speaks_of(formula: f.Formula, until: str) -> bool:
     """Whether the discrete monitor means the same by `formula`."""
-    timed = [part for part in parts(formula) if isinstance(getattr(part, "interval", None), Interval)]
+    timed = [
+        part for part in parts(formula) if isinstance(part, (f.Eventually, f.Always, f.Until, f.Release))
+    ]
     if any(isinstance(part, f.WeakUntil) for part in parts(formula)):
         return False
     if any(part.interval.upper is None for part in timed):
@@ -50,7 +67,8 @@ def monitored(formula: f.Formula, labels: Sequence[frozenset[str]], names: Seque
     with warnings.catch_warnings():
         # Its parser's runtime imports a module that is on its way out, and is gone from Python 3.12 on.
         warnings.simplefilter("ignore")
-        rtamt = pytest.importorskip("rtamt", exc_type=ImportError)
+        import rtamt
+
         specification = rtamt.StlDiscreteTimeSpecification()
         for name in (*names, "out"):
             specification.declare_var(name, "float")

@@ -1,0 +1,1 @@
+"""What the engine is measured with: slow, readable, and sharing nothing with it."""
