@@ -9,21 +9,25 @@ The collocation (CasADi and IPOPT) knows nothing of the closed forms; it is that
 from __future__ import annotations
 
 import argparse
+import json
 import math
+import subprocess
+import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
+from functools import partial
+from itertools import product
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from mitlplan.draw import animation, picture, rendered
 from mitlplan.formats.plan_json import plan_to_json
 from mitlplan.formats.trajectory_csv import trajectory_to_csv
-from mitlplan.mission import read
+from mitlplan.mission import Mission, read
 from mitlplan.plan import Plan, Step
 from mitlplan.planner import plan
 from mitlplan.trajectory import Profile, Robot, Style, Weights, follow, turn_left
@@ -31,11 +35,10 @@ from mitlplan.trajectory.boundary import connect, connect_forward
 from mitlplan.trajectory.passage import choose, passage
 from mitlplan.trajectory.pose import Pose
 from mitlplan.trajectory.three_point import three_point
-from mitlplan.workspace import Workspace, grid, movingai
+from mitlplan.workspace import Workspace, grid
 from mitlplan.workspace.motion import Door, Rectangle
 
 ROOT = Path(__file__).parent.parent
-MAPS = ROOT / "examples" / "maps"
 PAGES = ROOT / "docs" / "trajectory"
 EQUAL = Weights()
 BACK = math.pi
@@ -93,13 +96,27 @@ def u_turns() -> None:
 
 
 def times() -> None:
-    """Seconds to follow plans, the first time and again, to sample them every 50 ms, and to draw them."""
-    header = ("first", "again", "sample", "csv", "png")
+    """Seconds to follow plans, the first time and again, to sample them every 50 ms, to write and draw them.
+
+    The last two columns are of the command ``mitlplan trajectory MISSION PLAN.json -o FILE``, in a process of
+    its own: in all, and how much longer it takes than for the four cells of phi1, which is its start-up.
+    """
+    header = ("first", "again", "sample", "csv", "png", "command", "besides")
     print(f"{'plan':26} {'cells':>6} {'cost':>10}" + "".join(f"{name:>9}" for name in header))
-    for name, workspace, found in plans():
-        seconds, cost = _measured(workspace, found)
-        row = "".join(f"{value:9.3f}" for value in seconds)
-        print(f"{name:26} {len(found.steps):6} {cost:10.3f}{row}")
+    with TemporaryDirectory() as folder:
+        small, large = PAGES / "phi1.yaml", Path(folder) / "walk.json"
+        large.write_text(json.dumps(WALK))
+        for title, file in (
+            ("MovingAI random-32-32-20", PAGES / "random-32-32-20.yaml"),
+            ("MovingAI Berlin_1_256", PAGES / "Berlin_1_256.yaml"),
+            ("walk on a 60 x 60 grid", large),
+        ):
+            mission = read(file)
+            found = _walk(1000, 60) if file == large else _plan(mission)
+            seconds, cost = _measured(mission.workspace, found)
+            seconds += _commanded({file: found, small: _plan(read(small))}, Path(folder))
+            row = "".join(f"{value:9.3f}" for value in seconds)
+            print(f"{title:26} {len(found.steps):6} {cost:10.3f}{row}")
 
 
 def _measured(workspace: Workspace, found: Plan) -> tuple[list[float], float]:
@@ -117,40 +134,35 @@ def _measured(workspace: Workspace, found: Plan) -> tuple[list[float], float]:
     return [first, *(min(_seconds(work) for _ in range(3)) for work in again)], trajectory.cost
 
 
+def _commanded(plans: Mapping[Path, Plan], folder: Path) -> list[float]:
+    """Seconds of the command for the first plan, and beyond those for the second, run in turns."""
+    best = dict.fromkeys(plans, math.inf)
+    for _, (mission, found) in product(range(5), plans.items()):
+        file, table = folder / "plan.json", folder / "plan.csv"
+        file.write_text(plan_to_json(found))
+        command = [sys.executable, "-m", "mitlplan", "trajectory", str(mission), str(file), "-o", str(table)]
+        taken = _seconds(partial(subprocess.run, command, check=True))
+        best[mission] = min(best[mission], taken)
+    whole, start_up = best.values()
+    return [whole, whole - start_up]
+
+
 def _seconds(work: Callable[[], object]) -> float:
     begin = time.perf_counter()
     work()
     return time.perf_counter() - begin
 
 
-def plans() -> Iterator[tuple[str, Workspace, Plan]]:
-    """Fastest plans to a goal so many moves away, and a walk over a grid with every kind of turn."""
-    yield "MovingAI random-32-32-20", *_way_on("random-32-32-20.map", (0, 0), 31)
-    yield "MovingAI Berlin_1_256", *_way_on("Berlin_1_256.map", (20, 20), 299)
-    yield "walk on a 60 x 60 grid", grid(60, 60), _walk(1000, 60)
-
-
-def _way_on(file: str, start: tuple[int, int], moves: int) -> tuple[Workspace, Plan]:
-    """The fastest plan to the last of the cells that are so many moves away."""
-    bare = movingai(MAPS / file)
-    begin = bare.index_of(f"r{start[0]}c{start[1]}")
-    assert begin is not None
-    name = bare.names[int(np.flatnonzero(_away_from(bare, begin) == moves)[-1])]
-    row, column = (int(part) for part in name[1:].split("c"))
-    workspace = movingai(MAPS / file, regions={"goal": [(row, column)]})
-    found = plan(workspace, "F goal", start=start)
-    assert isinstance(found, Plan)
-    return workspace, found
-
-
-def _away_from(workspace: Workspace, begin: int) -> Any:
-    """For each cell how many moves away it is."""
-    ends = (np.ones(workspace.move_count), (workspace.source, workspace.target))
-    shape = (workspace.cell_count, workspace.cell_count)
-    return dijkstra(csr_array(ends, shape=shape), indices=begin, unweighted=True)
+WALK = {
+    "mitlplan": 1,
+    "workspace": {"grid": {"rows": 60, "columns": 60, "regions": {"goal": [[8, 5]]}}},
+    "robot": {"start": [30, 30]},
+    "spec": "F goal",
+}
 
 
 def _walk(count: int, size: int) -> Plan:
+    """A walk over a grid with every kind of turn, which comes to the goal of WALK."""
     random = np.random.default_rng(0)
     cells = [(size // 2, size // 2)]
     while len(cells) < count:
@@ -158,65 +170,59 @@ def _walk(count: int, size: int) -> Plan:
         row, column = cells[-1][0] + down, cells[-1][1] + right
         if 0 <= row < size and 0 <= column < size:
             cells.append((row, column))
-    moments = [Fraction(place) for place in range(count)]
+    return _timed([(f"r{row}c{column}", ("goal",) * ((row, column) == (8, 5))) for row, column in cells])
+
+
+def _timed(cells: Sequence[tuple[str, tuple[str, ...]]]) -> Plan:
+    """The plan through these cells, with what holds in them, a second for each move."""
+    last = len(cells) - 1
     steps = tuple(
-        Step(f"r{row}c{column}", enter, min(enter + 1, moments[-1]))
-        for (row, column), enter in zip(cells, moments, strict=True)
+        Step(cell, Fraction(place), Fraction(min(place + 1, last)), holds)
+        for place, (cell, holds) in enumerate(cells)
     )
-    return Plan(steps, moments[-1])
+    return Plan(steps, Fraction(last))
+
+
+def _plan(mission: Mission) -> Plan:
+    found = plan(mission)
+    assert isinstance(found, Plan)
+    return found
 
 
 def pictures() -> None:
     """The pictures, plans and tables of the documentation."""
-    for name in ("phi1", "phi2"):
+    for name, kind, step in (
+        ("phi1", "svg", Fraction(1, 20)),
+        ("phi2", "svg", Fraction(1, 20)),
+        ("random-32-32-20", "png", Fraction(1, 10)),
+        ("Berlin_1_256", "png", Fraction(1, 2)),
+    ):
         mission = read(PAGES / f"{name}.yaml")
-        found = plan(mission)
-        assert isinstance(found, Plan)
+        found = _plan(mission)
+        found = replace(found, statistics=replace(found.statistics, seconds={}))
         trajectory = follow(found, mission.workspace)
         (PAGES / f"{name}.json").write_text(plan_to_json(found))
-        (PAGES / f"{name}.csv").write_text(trajectory_to_csv(trajectory, Fraction(1, 20)))
-        (PAGES / f"{name}.svg").write_bytes(rendered(picture(mission.workspace, found, trajectory), "svg"))
+        (PAGES / f"{name}.csv").write_text(trajectory_to_csv(trajectory, step))
+        (PAGES / f"{name}.{kind}").write_bytes(rendered(picture(mission.workspace, found, trajectory), kind))
         if name == "phi1":
             (PAGES / "phi1.gif").write_bytes(animation(mission.workspace, trajectory, radius=0.15))
-    world, around = grid(2, 2, regions={"A": [(1, 0)], "B": [(0, 1)]}), _round_the_square()
+    world = grid(2, 2, regions={"A": [(1, 0)], "B": [(0, 1)]})
+    around = _timed([("r0c0", ()), ("r0c1", ("B",)), ("r1c1", ()), ("r1c0", ("A",))])
     (PAGES / "phi1-round.svg").write_bytes(rendered(picture(world, around, follow(around, world)), "svg"))
-    large = follow(_there_and_back(), grid(1, 2), robot=Robot(radius=Fraction(2, 5)))
+    back = _timed([("r0c0", ()), ("r0c1", ()), ("r0c0", ())])
+    large = follow(back, grid(1, 2), robot=Robot(radius=Fraction(2, 5)))
     (PAGES / "large-robot.svg").write_bytes(rendered(picture(grid(1, 2), None, large), "svg"))
     _picture_of_a_robot()
-    for name, workspace, found in plans():
-        if name.startswith("MovingAI"):
-            file = PAGES / f"{name.split()[1]}.png"
-            file.write_bytes(rendered(picture(workspace, found, follow(found, workspace)), "png"))
 
 
 def _picture_of_a_robot() -> None:
     """The example whose moves take their times from the robot, on the map without headings."""
-    mission = read(MAPS.parent / "robot.yaml")
-    found = plan(mission)
-    assert isinstance(found, Plan)
+    mission = read(ROOT / "examples" / "robot.yaml")
+    found = _plan(mission)
     model = mission.robot
     assert model is not None
     driven = follow(found, mission.workspace, robot=model.robot, driving=model.driving, heading=model.heading)
     (PAGES / "robot.png").write_bytes(rendered(picture(model.ground, None, driven), "png"))
-
-
-def _round_the_square() -> Plan:
-    cells = [("r0c0", ()), ("r0c1", ("B",)), ("r1c1", ()), ("r1c0", ("A",))]
-    moments = [Fraction(place) for place in range(4)]
-    steps = tuple(
-        Step(cell, enter, min(enter + 1, moments[-1]), holds)
-        for (cell, holds), enter in zip(cells, moments, strict=True)
-    )
-    return Plan(steps, moments[-1])
-
-
-def _there_and_back() -> Plan:
-    steps = (
-        Step("r0c0", Fraction(0), Fraction(1)),
-        Step("r0c1", Fraction(1), Fraction(2)),
-        Step("r0c0", Fraction(2), Fraction(2)),
-    )
-    return Plan(steps, Fraction(2))
 
 
 PARTS: dict[str, Callable[[], None]] = {

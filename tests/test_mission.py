@@ -263,6 +263,8 @@ def test_the_schema_knows_the_keys() -> None:
         "radius",
         "headings",
         "rest_to_rest",
+        "retime",
+        "deadline",
     ]
     assert robot["properties"]["headings"]["type"] == "boolean"
     assert {"enum": ["cubic", "quintic"]} in robot["properties"]["rest_to_rest"]["anyOf"]

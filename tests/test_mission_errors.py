@@ -229,6 +229,12 @@ ROBOTS = {
     "{start: r0c0, headings: true}": (
         "3:22: robot: 'headings' needs the robot's speed, from which the times of moves are computed"
     ),
+    "{start: r0c0, deadline: 8}": (
+        "3:22: robot: 'deadline' needs retime: true; otherwise a plan keeps its times"
+    ),
+    "{start: r0c0, retime: true, deadline: soon}": (
+        "3:46: robot.deadline: 'soon' is not a number; write one such as 5, 2.5 or 7/2"
+    ),
     "{start: r0c0, speed: -1/2}": ("3:29: robot.speed: -1/2 is negative; write 0 or a positive number"),
     "{start: r0c0, speed: 0}": (
         "3:29: robot.speed: a positive number is expected; a limit that the robot does not have is left out"

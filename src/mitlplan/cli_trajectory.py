@@ -180,13 +180,15 @@ class _Wishes:
         except ValueError as error:
             raise TrajectoryError(f"{name}: {error}") from None
 
-    def angle(self, name: str) -> float | None:
-        """The number of that name, as a float of any sign."""
-        text = self.robot.get(name)
+    def heading(self) -> float | None:
+        """How the robot faces at first, in radians."""
+        from mitlplan.workspace.motion import heading_of
+
+        text = self.robot.get("heading")
         try:
-            return None if text is None else float(text)
-        except ValueError:
-            raise TrajectoryError(f"{name}: {text} is not a number of radians, such as -1.57") from None
+            return None if text is None else heading_of(text)
+        except ValueError as error:
+            raise TrajectoryError(f"--robot heading={text}: {error}") from None
 
     def choice(self, name: str, kind: type[Enum]) -> Any:
         """The member of `kind` whose name was given; ``None`` if none was."""
@@ -198,9 +200,11 @@ class _Wishes:
             raise TrajectoryError(f"{name}: {text} is none of {', '.join(members)}")
         return members[text]
 
-    def wanted(self, name: str) -> bool:
-        """Whether that is wanted: ``true`` or ``yes``, or ``false`` or ``no``."""
-        text = self.drive.get(name, "false")
+    def wanted(self, name: str, *, otherwise: bool = False) -> bool:
+        """Whether that is wanted: ``true`` or ``yes``, or ``false`` or ``no``; else `otherwise`."""
+        text = self.drive.get(name)
+        if text is None:
+            return otherwise
         if text not in ("true", "yes", "false", "no"):
             raise TrajectoryError(f"{name}: {text} is neither true nor false")
         return text in ("true", "yes")
@@ -269,11 +273,12 @@ def _driven(mission: Mission, plan: Plan, wishes: _Wishes) -> tuple[Plan, Trajec
         reverse=wishes.wanted("reverse"),
     )
     waiting = wishes.choice("waiting", Waiting) or Waiting.ENTRY
-    robot, heading = _robot(mission, wishes), wishes.angle("heading")
+    robot, heading = _robot(mission, wishes), wishes.heading()
     if heading is None and model is not None:
         heading = model.heading
-    if wishes.wanted("retime"):
-        plan = _retimed(mission, plan, robot, driving, heading, wishes.exact("deadline"))
+    if wishes.wanted("retime", otherwise=mission.retime):
+        deadline = wishes.exact("deadline") or mission.deadline
+        plan = _retimed(mission, plan, robot, driving, heading, deadline)
         waiting = Waiting.SLOW
     elif "deadline" in wishes.drive:
         raise TrajectoryError("a deadline is for --drive retime=true; the plan keeps its times otherwise")

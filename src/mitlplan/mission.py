@@ -8,7 +8,6 @@ built by the function that anybody may call without a file.
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -40,7 +39,7 @@ from mitlplan.mission_schema import (
     faults,
 )
 from mitlplan.workspace import Box, Move, Workspace, graph, grid, movingai
-from mitlplan.workspace.motion import COMPASS, Indices, with_headings, with_travel_times
+from mitlplan.workspace.motion import Indices, heading_of, with_headings, with_travel_times
 from mitlplan.workspace.names import advise
 from mitlplan.workspace.regions import Part
 
@@ -112,6 +111,10 @@ class Mission:
         Sentences on what is legal and surely not meant.
     robot
         What the times of moves were computed from; ``None`` if the map gives them.
+    retime
+        Whether a trajectory spends the time that the mission leaves, to cost less.
+    deadline
+        The latest end of a plan that is retimed; ``None``: its makespan.
     """
 
     workspace: Workspace
@@ -123,6 +126,8 @@ class Mission:
     source: Path | None = None
     warnings: tuple[str, ...] = ()
     robot: RobotModel | None = None
+    retime: bool = False
+    deadline: Fraction | None = None
 
 
 def read(
@@ -296,6 +301,8 @@ def _mission(keys: MissionKeys, document: Document, folder: Path, source: Path |
         source=source,
         warnings=tuple(_warnings(keys.spec, requirements, keys.until, document)),
         robot=robot,
+        retime=keys.robot.retime,
+        deadline=keys.robot.deadline,
     )
 
 
@@ -437,10 +444,10 @@ def _driven(
 def _heading(heading: str | float | None, document: Document) -> float | None:
     if not isinstance(heading, str):
         return heading
-    if heading not in COMPASS:
-        problem = f"a heading is a number of radians or one of {', '.join(COMPASS)}, not {heading}"
-        raise document.error(Fault(problem, ("robot", "heading")))
-    return COMPASS.index(heading) * math.pi / 4
+    try:
+        return heading_of(heading)
+    except ValueError as error:
+        raise document.error(Fault(str(error), ("robot", "heading"))) from None
 
 
 # ------------------------------------------------------------------------------------------- the requirements

@@ -317,7 +317,8 @@ def _start_kind(value: object) -> str:
 class RobotKeys(Keys):
     """The robot: where it starts, as a cell's name or [row, column], and what it can do.
 
-    With a speed, the moves take as long as the robot needs for them; the other keys say more of it.
+    With a speed, the moves take as long as the robot needs for them; the other keys say more of it. Only
+    `retime` and `deadline`, which change no plan but how it is driven, do without.
     """
 
     start: Annotated[Annotated[Name, Tag("name")] | Annotated[Cell, Tag("cell")], Discriminator(_start_kind)]
@@ -337,10 +338,20 @@ class RobotKeys(Keys):
         validate_default=True,
         description="Whether every motion begins and ends at rest; true is cubic.",
     )
+    retime: Flag = Field(
+        default=False,
+        description="Whether trajectories take the time that the mission leaves, to cost less.",
+    )
+    deadline: Limit | None = Field(default=None, description="When a retimed plan ends at the latest.")
 
     @model_validator(mode="after")
     def _belong_together(self) -> RobotKeys:
-        set_here = (key for key in type(self).model_fields if key in self.model_fields_set - {"start"})
+        if self.deadline is not None and not self.retime:
+            raise PydanticCustomError(
+                "key", "'{key}' needs retime: true; otherwise a plan keeps its times", {"key": "deadline"}
+            )
+        limits = self.model_fields_set - {"start", "retime", "deadline"}
+        set_here = (key for key in type(self).model_fields if key in limits)
         given = [key for key in set_here if getattr(self, key) is not None]
         if given and self.speed is None:
             raise PydanticCustomError(

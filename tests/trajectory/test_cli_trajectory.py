@@ -158,6 +158,22 @@ def test_slack_is_spent(here: Path) -> None:
     assert Fraction(slow["cells"][-1]["enter"]) > Fraction(plain["cells"][-1]["enter"])
 
 
+def test_the_mission_can_ask_for_it(here: Path) -> None:
+    file = mission(here, "F[0,8] A & F[0,20] B", waiting=True)
+    spoken = run("trajectory", file, "--drive", "retime=true", "--drive", "deadline=20")
+    plain = run("trajectory", file)
+    text = Path(file).read_text().replace("start: [0, 0]", "start: [0, 0], retime: true, deadline: 20")
+    Path(file).write_text(text)
+    assert run("trajectory", file) == spoken != plain
+    assert run("trajectory", file, "--drive", "retime=false") == plain
+
+
+def test_headings_have_names(here: Path) -> None:
+    named = run("trajectory", mission(here), "--robot", "heading=west")[0]
+    assert named == run("trajectory", mission(here), "--robot", f"heading={np.pi}")[0]
+    assert float(named.splitlines()[1].split(",")[3]) == np.pi
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
@@ -165,7 +181,8 @@ def test_slack_is_spent(here: Path) -> None:
         (["--robot", "speed"], "write speed=VALUE"),
         (["--robot", "speed=fast"], "speed: 'fast' is not a number"),
         (["--robot", "speed=0"], "a limit is a positive number"),
-        (["--robot", "heading=north"], "heading: north is not a number of radians"),
+        (["--robot", "heading=up"], "a heading is a number of radians or one of east, northeast"),
+        (["--robot", "heading=nan"], "a heading is a number of radians or one of east, northeast"),
         (["--robot", "speed=1/2"], "r0c1, entered at 1: the three-point U-turn takes"),
         (["--drive", "turn=fast"], "turn: fast is none of free, forward-only, arc, three-point, spot"),
         (["--drive", "turn=three-point"], "a three-point turn is a U-turn"),

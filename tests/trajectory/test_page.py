@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from mitlplan.check import check
+from mitlplan.formats.plan_json import read_plan
 from mitlplan.formats.trajectory_csv import trajectory_to_csv
 from mitlplan.mission import read
 from mitlplan.plan import Plan
@@ -60,15 +62,22 @@ def test_the_table_of_u_turns() -> None:
         assert cost("U-turn", f"`{style.value}`") == pytest.approx(motion.cost, abs=6e-8)
 
 
-@pytest.mark.parametrize("name", ["phi1", "phi2"])
-def test_the_tables_of_samples_are_those_of_today(name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "cells", "step"),
+    [("phi1", 4, "1/20"), ("phi2", 2, "1/20"), ("random-32-32-20", 32, "1/10"), ("Berlin_1_256", 300, "1/2")],
+)
+def test_the_tables_of_samples_are_those_of_today(name: str, cells: int, step: str) -> None:
     mission = read(DOCS / "trajectory" / f"{name}.yaml")
-    found = plan(mission)
+    found = read_plan(DOCS / "trajectory" / f"{name}.json")
     assert isinstance(found, Plan)
+    assert check(mission, found) is None
+    today = plan(mission)
+    assert isinstance(today, Plan)
+    assert (len(found.steps), found.makespan) == (cells, today.makespan)
     written = (DOCS / "trajectory" / f"{name}.csv").read_text().splitlines()
-    today = trajectory_to_csv(follow(found, mission.workspace), Fraction(1, 20)).splitlines()
-    assert len(written) == len(today)
-    for old, new in zip(written[1:], today[1:], strict=True):
+    now = trajectory_to_csv(follow(found, mission.workspace), Fraction(step)).splitlines()
+    assert len(written) == len(now)
+    for old, new in zip(written[1:], now[1:], strict=True):
         assert [float(x) for x in old.split(",")] == pytest.approx(
             [float(x) for x in new.split(",")], abs=1e-9
         )

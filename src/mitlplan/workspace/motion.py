@@ -30,6 +30,30 @@ COMPASS = ("east", "northeast", "north", "northwest", "west", "southwest", "sout
 """The headings of moves: an eighth of a turn to the left from one to the next."""
 
 
+def heading_of(text: str) -> float:
+    """The heading that a text names, in radians.
+
+    Raises
+    ------
+    ValueError
+        If it is neither a number nor one of :data:`COMPASS`.
+
+    Examples
+    --------
+    >>> heading_of("west") == math.pi, heading_of("-1.57")
+    (True, -1.57)
+    """
+    if text in COMPASS:
+        return COMPASS.index(text) * math.pi / 4
+    try:
+        heading = float(text)
+    except ValueError:
+        heading = math.nan
+    if not math.isfinite(heading):
+        raise ValueError(f"a heading is a number of radians or one of {', '.join(COMPASS)}, not {text}")
+    return heading
+
+
 @dataclass(frozen=True, slots=True)
 class Rectangle:
     """A cell's ground: its centre and its size, in metres.
