@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from mitlplan.trajectory import Driving, Robot, Trajectory
     from mitlplan.workspace import Workspace
 
-_ROBOT_KEYS = ("speed", "turn_rate", "acceleration", "turn_acceleration", "radius", "heading")
-_DRIVE_KEYS = (
+ROBOT_KEYS = ("speed", "turn_rate", "acceleration", "turn_acceleration", "radius", "heading")
+DRIVE_KEYS = (
     "turn",
     "u_turn",
     "profile",
@@ -80,11 +80,11 @@ PlanFile = Annotated[
 ]
 RobotOptions = Annotated[
     list[str] | None,
-    typer.Option("--robot", metavar="KEY=VALUE", help=f"What the robot can do: {', '.join(_ROBOT_KEYS)}."),
+    typer.Option("--robot", metavar="KEY=VALUE", help=f"What the robot can do: {', '.join(ROBOT_KEYS)}."),
 ]
 DriveOptions = Annotated[
     list[str] | None,
-    typer.Option("--drive", metavar="KEY=VALUE", help=f"How it is driven: {', '.join(_DRIVE_KEYS)}."),
+    typer.Option("--drive", metavar="KEY=VALUE", help=f"How it is driven: {', '.join(DRIVE_KEYS)}."),
 ]
 
 
@@ -129,7 +129,7 @@ def register(app: typer.Typer, reported: Reported | None = None) -> None:
         with reporting():
             wishes = _wishes(robot or (), drive or ())
             bag = form in (TrajectoryForm.sqlite3, TrajectoryForm.mcap)
-            _check_output(output, needed="a bag is a folder; name it with --output" if bag else "")
+            _check_output(output, bag=bag)
             read, found = _planned(mission, plan)
             found, driven = _driven(read, found, wishes)
             writing = _Writing(form, Fraction(step), None if until is None else Fraction(until), frame)
@@ -153,7 +153,7 @@ def register(app: typer.Typer, reported: Reported | None = None) -> None:
 
         with reporting():
             wishes = _wishes(robot or (), drive or ())
-            _check_output(output, needed="")
+            _check_output(output)
             kind = _picture_kind(output, shown)
             write_whole(output, _drawn(mission, plan, kind, shown, title, wishes))
 
@@ -211,7 +211,7 @@ class _Wishes:
 
 
 def _wishes(robot: Sequence[str], drive: Sequence[str]) -> _Wishes:
-    return _Wishes(_pairs("--robot", robot, _ROBOT_KEYS), _pairs("--drive", drive, _DRIVE_KEYS))
+    return _Wishes(_pairs("--robot", robot, ROBOT_KEYS), _pairs("--drive", drive, DRIVE_KEYS))
 
 
 def _pairs(option: str, texts: Sequence[str], known: Sequence[str]) -> Mapping[str, str]:
@@ -421,13 +421,18 @@ def _drawn(mission: Path, plan: Path | None, kind: Any, shown: Shown, title: str
     return rendered(picture(ground, planned, driven, title=title), kind)
 
 
-def _check_output(output: Path | None, *, needed: str) -> None:
+def _check_output(output: Path | None, *, bag: bool = False) -> None:
     from mitlplan.formats.output import check_writable
 
-    if output is not None:
-        check_writable(output)
-    elif needed:
-        raise OutputError(needed)
+    match output, bag:
+        case None, True:
+            raise OutputError("a bag is a folder; name it with --output")
+        case Path(), True:
+            from mitlplan.formats.ros import check_new
+
+            check_new(output)
+        case Path(), False:
+            check_writable(output)
 
 
 def _say(message: str) -> None:

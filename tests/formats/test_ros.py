@@ -88,7 +88,7 @@ def test_the_metadata_says_the_same(
 
 def test_what_exists_is_left_alone(driven: tuple[Plan, Trajectory], tmp_path: Path) -> None:
     plan, trajectory = driven
-    with pytest.raises(OutputError, match="it is a folder"):
+    with pytest.raises(OutputError, match="it exists; a bag is a new folder"):
         write_bag(tmp_path, trajectory, plan, STEP)
     (tmp_path / "file").write_text("kept")
     with pytest.raises(OutputError, match="it exists"):

@@ -96,7 +96,7 @@ def test_bags(here: Path, form: str) -> None:
     pytest.importorskip("rosbags")
     run("trajectory", mission(here), "--format", form, "--output", "bag")
     assert (here / "bag" / "metadata.yaml").exists()
-    assert "it is a folder" in run("trajectory", mission(here), "--format", form, "-o", "bag", code=2)[1]
+    assert "it exists; a bag" in run("trajectory", mission(here), "--format", form, "-o", "bag", code=2)[1]
     assert "name it with --output" in run("trajectory", mission(here), "--format", form, code=2)[1]
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import replace
 from fractions import Fraction
 
@@ -10,10 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mitlplan.errors import TrajectoryError, WorkspaceError
+from mitlplan.formats.trajectory_csv import trajectory_to_csv
 from mitlplan.plan import Loop, Plan, Step
 from mitlplan.trajectory.follow import Waiting, follow
 from mitlplan.trajectory.leg import Weights
 from mitlplan.trajectory.motion import Style
+from mitlplan.trajectory.passage import choose
 from mitlplan.trajectory.profile import Profile
 from mitlplan.trajectory.robot import Driving, Robot
 from mitlplan.trajectory.trajectory import Trajectory
@@ -128,6 +131,20 @@ def test_the_paper_walks() -> None:
     assert round_the_square.cost == pytest.approx(0.25 + 2 * 3.0771054975 + 0.5, abs=1e-9)
     back_and_forth = follow(walk("r0c0", "r0c1", "r0c0", "r1c0"), square)
     assert back_and_forth.cost == pytest.approx(0.25 + 12.0567588 + 3.0771055 + 0.5, abs=1e-6)
+
+
+def test_a_thousand_cells_take_less_than_a_second() -> None:
+    turns = np.random.default_rng(1).integers(-1, 2, size=999).cumsum() % 4
+    steps = np.array([(0, 1), (1, 0), (0, -1), (-1, 0)])[turns]
+    rows, columns = (np.vstack([(0, 0), steps]).cumsum(axis=0)).T
+    rows, columns = rows - rows.min(), columns - columns.min()
+    plan = walk(*(f"r{row}c{column}" for row, column in zip(rows, columns, strict=True)))
+    world = grid(int(rows.max()) + 1, int(columns.max()) + 1)
+    choose.cache_clear()
+    begin = time.process_time()
+    table = trajectory_to_csv(follow(plan, world), Fraction(1, 20))
+    assert time.process_time() - begin < 1.0
+    assert len(table.splitlines()) > 1000 / 20
 
 
 def test_driving_backwards_saves_a_u_turn() -> None:

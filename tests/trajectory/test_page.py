@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import re
-from contextlib import redirect_stdout
+import shlex
 from fractions import Fraction
-from io import StringIO
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from mitlplan.check import check
+from mitlplan.cli import app
+from mitlplan.cli_trajectory import DRIVE_KEYS, ROBOT_KEYS
 from mitlplan.formats.plan_json import read_plan
 from mitlplan.formats.trajectory_csv import trajectory_to_csv
 from mitlplan.mission import read
@@ -83,14 +86,26 @@ def test_the_tables_of_samples_are_those_of_today(name: str, cells: int, step: s
         )
 
 
-def test_the_python_of_the_page_runs_and_prints_what_it_says() -> None:
-    (code,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
-    printed = StringIO()
-    with redirect_stdout(printed):
-        exec(code, {})  # noqa: S102  # the page is ours
-    assert printed.getvalue().splitlines() == re.findall(r"^# (.*)$", code, flags=re.MULTILINE)
+def test_the_commands_of_the_page_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "docs").symlink_to(DOCS)
+    monkeypatch.chdir(tmp_path)
+    commands = re.findall(r"^    mitlplan (.*)$", PAGE, re.MULTILINE)
+    assert len(commands) > 5
+    for command in commands:
+        result = CliRunner().invoke(app, shlex.split(command.partition("|")[0], comments=True))
+        assert (result.exit_code, result.stderr) == (0, ""), command
 
 
-def test_pictures_exist() -> None:
-    for target in re.findall(r"\]\((trajectory/[^)]+)\)", PAGE):
-        assert (DOCS / target).exists(), target
+def test_what_retiming_saves() -> None:
+    mission = str(DOCS / "trajectory" / "phi1-late.yaml")
+    costs = re.findall(r"falls from ([\d.]+) to ([\d.]+)", PAGE)
+    for drive, told in zip(("retime=false", "retime=true"), *costs, strict=True):
+        arguments = ["trajectory", mission, "--format", "json", "--drive", drive]
+        found = json.loads(CliRunner().invoke(app, arguments).stdout)
+        assert found["cost"] == pytest.approx(float(told), abs=5e-4)
+
+
+def test_the_page_names_every_key_of_the_command_line() -> None:
+    for option, keys in (("--drive", DRIVE_KEYS), ("--robot", ROBOT_KEYS)):
+        named = re.findall(r"`(\w+)`", " ".join(table(f"key of `{option}`")))
+        assert sorted(named) == sorted(keys)

@@ -75,9 +75,7 @@ def write_bag(
     ValueError
         If there are no samples at such a step, or too many.
     """
-    check_writable(folder)
-    if folder.exists():
-        raise OutputError(f"cannot write {folder}: it exists; a bag is a folder of its own")
+    check_new(folder)
     samples = trajectory.sample(step, until)
     try:
         with tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent) as beside:
@@ -86,6 +84,19 @@ def write_bag(
             written.rename(folder)
     except OSError as error:
         raise OutputError(f"cannot write {folder}: {error.strerror}") from None
+
+
+def check_new(folder: Path) -> None:
+    """Raise a sentence now if a bag could not be written there later.
+
+    Raises
+    ------
+    OutputError
+        If it exists, or its own folder does not.
+    """
+    if folder.exists():
+        raise OutputError(f"cannot write {folder}: it exists; a bag is a new folder, name another")
+    check_writable(folder)
 
 
 def _write(folder: Path, samples: Samples, plan: Plan, storage: Storage, frame: str, start: Fraction) -> None:
