@@ -13,11 +13,8 @@ refused; the compact construction has them.
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Mapping
 from fractions import Fraction
 from itertools import count
-from typing import TypeAlias
 
 from mitlplan.automata.transducer import Transducer
 from mitlplan.errors import TranslationError
@@ -66,49 +63,16 @@ def translate(core: Core, *, until_the_end: bool = False) -> Obligations:
     >>> [transducer.name for transducer in translate(formula).transducers]
     ['the mission', 'F[0,2] A']
     """
-    translator = _Translator(_askings(core), until_the_end)
+    translator = _Translator(until_the_end)
     mission = translator.value_of(core)
     askers_first = (two_sided.root(mission), *reversed(translator.transducers))
     return Obligations(askers_first, translator.predicates)
 
 
-_Timed: TypeAlias = tuple[Core, Interval]
-"""``F_I`` of a formula, which a two-sided transducer says for its negation too."""
-
-
-def _askings(core: Core) -> Counter[_Timed]:
-    """How often the truth of each ``F_I`` may be asked for at a single instant; 2 stands for more.
-
-    The root asks once, at time 0; what keeps its promise at an instant of its choice asks once as well; what
-    has to hold for a while, or is fulfilled again and again, may be asked at any number of instants.
-    """
-    askings: Counter[_Timed] = Counter()
-
-    def walk(part: Core, times: int) -> None:
-        match part:
-            case Conjunction(operands) | Disjunction(operands):
-                for operand in operands:
-                    walk(operand, times)
-            case CoreUntil(left, right, interval):
-                askings[right, interval] += times
-                walk(left, 2)
-                walk(right, times if left == TRUE else 2)
-            case CoreRelease(left, right, interval):
-                askings[negate(right), interval] += times
-                walk(left, times)
-                walk(right, 2)
-            case Truth() | Literal():
-                pass
-
-    walk(core, 1)
-    return askings
-
-
 class _Translator:
     """Translates every part once, operands first."""
 
-    def __init__(self, askings: Mapping[_Timed, int], until_the_end: bool) -> None:
-        self._askings = askings
+    def __init__(self, until_the_end: bool) -> None:
         self.transducers: list[Transducer] = []
         self.predicates: dict[str, Core] = {}
         self._until_the_end = until_the_end
@@ -207,8 +171,7 @@ class _Translator:
                 f"at most {2 * MOST_PAIRS} are allowed"
             )
         inner = self.value_of(CoreUntil(TRUE, operand, Interval(Fraction(0), length)))
-        again = self._askings.get((operand, Interval(lower, upper)), 2) > 1
-        return self._delayed(name, inner, lower, pairs, again=again)
+        return self._delayed(name, inner, lower, pairs)
 
     def _within(self, name: str, operand: Value, most: Fraction) -> Value:
         value = self._fresh()
@@ -216,11 +179,11 @@ class _Translator:
         self.transducers.append(two_sided.eventually_within(name, most, operand, value, clock))
         return value
 
-    def _delayed(self, name: str, operand: Value, seconds: Fraction, pairs: int, *, again: bool) -> Value:
+    def _delayed(self, name: str, operand: Value, seconds: Fraction, pairs: int) -> Value:
         value = self._fresh()
         edges = tuple(f"c{index}.{value.yes}" for index in range(2 * pairs))
         clocks = DelayClocks(f"s{value.yes}", edges, f"e{value.yes}")
-        self.transducers.append(two_sided.delay(name, seconds, operand, value, clocks, again=again))
+        self.transducers.append(two_sided.delay(name, seconds, operand, value, clocks))
         return value
 
 

@@ -342,28 +342,17 @@ class DelayClocks:
     end: str
 
 
-def delay(
-    name: str, seconds: Fraction, operand: Value, output: Value, clocks: DelayClocks, *, again: bool = True
-) -> Transducer:
+def delay(name: str, seconds: Fraction, operand: Value, output: Value, clocks: DelayClocks) -> Transducer:
     """The value of `operand` after `seconds`, guessed and then replayed.
 
     As :func:`mitlplan.translation.seed.exact_transducers.delay`, but it may begin late and fall silent.
-
-    Parameters
-    ----------
-    again
-        Whether it may be asked for a single instant and then again before `seconds` have passed; if not, it
-        falls silent after such an instant, which leaves fewer choices.
     """
-    return _Delay(seconds, operand, output, clocks, again=again).build(name)
+    return _Delay(seconds, operand, output, clocks).build(name)
 
 
 class _Delay:
-    def __init__(
-        self, seconds: Fraction, operand: Value, output: Value, clocks: DelayClocks, *, again: bool
-    ) -> None:
+    def __init__(self, seconds: Fraction, operand: Value, output: Value, clocks: DelayClocks) -> None:
         self._seconds = seconds
-        self._again = again
         self._operand = operand
         self._output = output
         self._clocks = clocks
@@ -402,15 +391,12 @@ class _Delay:
         yield from _edges(self._output, silent, _Move("silent", NOTHING))
         for head in (0, 1):
             begun = _Line(before=True, head=head, waiting=0)
-            for ended, asked in (("", self._going_on(begun)), ("closed", self._once(begun))):
+            for ended, asked in (("", self._kept(begun)), ("closed", self._once(begun))):
                 resets = frozenset({self._clocks.start} | ({self._clocks.end} if ended else set()))
                 move = _Move(replace(begun, ended=ended).name, asked, resets=resets)
                 yield from _edges(self._output, silent, move)
 
-    def _going_on(self, state: _Line) -> tuple[Asked, ...]:
-        """What may be asked where the line speaks on."""
-        if self._again:
-            return YES if state.guessed else NO
+    def _kept(self, state: _Line) -> tuple[Asked, ...]:
         return (Asked.YES_KEPT if state.guessed else Asked.NO_KEPT,)
 
     def _once(self, state: _Line) -> tuple[Asked, ...]:
@@ -448,13 +434,13 @@ class _Delay:
             yield _Move(state.name, NOTHING)
             return
         ended = frozenset({self._clocks.end})
-        yield _Move(state.name, self._going_on(state) + NOTHING)
+        yield _Move(state.name, self._kept(state) + NOTHING)
         yield _Move(replace(state, ended="closed").name, self._once(state), resets=ended)
         yield _Move(replace(state, ended="open").name, NOTHING, resets=ended)
         if state.waiting < len(self._clocks.edges):
             started = frozenset({self._clocks.edges[(state.head + state.waiting) % len(self._clocks.edges)]})
             longer = replace(state, waiting=state.waiting + 1)
-            yield _Move(longer.name, self._going_on(longer) + NOTHING, resets=started)
+            yield _Move(longer.name, self._kept(longer) + NOTHING, resets=started)
             closed = replace(longer, ended="closed")
             yield _Move(closed.name, self._once(longer), resets=started | ended)
 
