@@ -13,6 +13,7 @@ refused; the compact construction has them.
 
 from __future__ import annotations
 
+from enum import Enum
 from fractions import Fraction
 from itertools import count
 
@@ -63,16 +64,59 @@ def translate(core: Core, *, until_the_end: bool = False) -> Obligations:
     >>> [transducer.name for transducer in translate(formula).transducers]
     ['the mission', 'F[0,2] A']
     """
-    translator = _Translator(until_the_end)
+    translator = _Translator(until_the_end, _asked_parts(core))
     mission = translator.value_of(core)
     askers_first = (two_sided.root(mission), *reversed(translator.transducers))
     return Obligations(askers_first, translator.predicates)
 
 
+class _Asked(Enum):
+    """When a part is asked what it is; to be ready to be asked again costs states."""
+
+    ONCE = "once"
+    THROUGHOUT = "throughout"
+    AGAIN = "again"
+
+
+def _asked_parts(core: Core) -> dict[Core, _Asked]:
+    """How each part is asked, of `core` at time 0; parts as they are translated, without their negations."""
+    found: dict[Core, _Asked] = {}
+    pending = [(core, _Asked.ONCE)]
+    while pending:
+        part, asked = pending.pop()
+        if propositional(part) or found.get(part) == _Asked.AGAIN:
+            continue
+        if isinstance(part, Disjunction):
+            # One operand is asked now, and perhaps another one later.
+            pending.append((negate(part), _Asked.ONCE if asked == _Asked.ONCE else _Asked.AGAIN))
+        elif isinstance(part, CoreRelease):
+            pending.append((negate(part), asked))
+        else:
+            found[part] = _Asked.AGAIN if part in found else asked
+            pending += _asked_operands(part, found[part])
+    return found
+
+
+def _asked_operands(part: Core, asked: _Asked) -> list[tuple[Core, _Asked]]:
+    after = _Asked.THROUGHOUT if asked == _Asked.ONCE else _Asked.AGAIN
+    match part:
+        case Conjunction(operands):
+            return [(operand, asked) for operand in operands]
+        case CoreUntil(left, right, Interval(lower, upper)) if upper is not None and lower > 0:
+            inner = CoreUntil(TRUE, right, Interval(Fraction(0), upper - lower))
+            return [(inner, after), *((each, _Asked.AGAIN) for each in (left, right) if left != TRUE)]
+        case CoreUntil(left, right, Interval(lower, upper)):
+            single = left == TRUE if upper is not None else lower == 0
+            return [(each, after if single else _Asked.AGAIN) for each in (left, right)]
+        case _:
+            return []
+
+
 class _Translator:
     """Translates every part once, operands first."""
 
-    def __init__(self, until_the_end: bool) -> None:
+    def __init__(self, until_the_end: bool, asked: dict[Core, _Asked]) -> None:
+        self._asked = asked
         self.transducers: list[Transducer] = []
         self.predicates: dict[str, Core] = {}
         self._until_the_end = until_the_end
@@ -131,19 +175,24 @@ class _Translator:
                     f"the seed construction has no {name_of(core)} for horizon: finite; use the compact "
                     "construction"
                 )
-            return self._lasting(left, right, lower, until_the_end=self._until_the_end)
-        timed = self._eventually(right, lower, upper)
+            again = self._asked[core] == _Asked.AGAIN
+            return self._lasting(left, right, lower, until_the_end=self._until_the_end, again=again)
+        again = self._asked[core] == _Asked.AGAIN
+        timed = self._eventually(right, lower, upper, again=again)
         if left == TRUE:
             return timed
-        return self._conjunction(core, [self._lasting(left, right, lower, until_the_end=False), timed])
+        lasting = self._lasting(left, right, lower, until_the_end=False, again=again)
+        return self._conjunction(core, [lasting, timed])
 
-    def _lasting(self, left: Core, right: Core, lower: Fraction, *, until_the_end: bool) -> Value:
+    def _lasting(
+        self, left: Core, right: Core, lower: Fraction, *, until_the_end: bool, again: bool
+    ) -> Value:
         """``G[0,lower] (left U right)``."""
         core = CoreUntil(left, right)
         value = self._unbounded(core, until_the_end=until_the_end)
         if lower == 0:
             return value
-        return self._within(f"F[0,{lower}] !({name_of(core)})", value.negated, lower).negated
+        return self._within(f"F[0,{lower}] !({name_of(core)})", value.negated, lower, again=again).negated
 
     def _unbounded(self, core: CoreUntil, *, until_the_end: bool) -> Value:
         if (core, until_the_end) not in self._untils:
@@ -154,7 +203,7 @@ class _Translator:
             self._untils[core, until_the_end] = value
         return self._untils[core, until_the_end]
 
-    def _eventually(self, operand: Core, lower: Fraction, upper: Fraction) -> Value:
+    def _eventually(self, operand: Core, lower: Fraction, upper: Fraction, *, again: bool) -> Value:
         value, length = self.value_of(operand), upper - lower
         name = name_of(CoreUntil(TRUE, operand, Interval(lower, upper)))
         if length == 0:
@@ -163,7 +212,7 @@ class _Translator:
                 "construction"
             )
         if lower == 0:
-            return self._within(name, value, upper)
+            return self._within(name, value, upper, again=again)
         pairs = outstanding_pairs(lower, length)
         if pairs > MOST_PAIRS:
             raise TranslationError(
@@ -171,19 +220,19 @@ class _Translator:
                 f"at most {2 * MOST_PAIRS} are allowed"
             )
         inner = self.value_of(CoreUntil(TRUE, operand, Interval(Fraction(0), length)))
-        return self._delayed(name, inner, lower, pairs)
+        return self._delayed(name, inner, lower, pairs, again=again)
 
-    def _within(self, name: str, operand: Value, most: Fraction) -> Value:
+    def _within(self, name: str, operand: Value, most: Fraction, *, again: bool) -> Value:
         value = self._fresh()
         clock = f"x{value.yes}"
-        self.transducers.append(two_sided.eventually_within(name, most, operand, value, clock))
+        self.transducers.append(two_sided.eventually_within(name, most, operand, value, clock, again=again))
         return value
 
-    def _delayed(self, name: str, operand: Value, seconds: Fraction, pairs: int) -> Value:
+    def _delayed(self, name: str, operand: Value, seconds: Fraction, pairs: int, *, again: bool) -> Value:
         value = self._fresh()
         edges = tuple(f"c{index}.{value.yes}" for index in range(2 * pairs))
         clocks = DelayClocks(f"s{value.yes}", edges, f"e{value.yes}")
-        self.transducers.append(two_sided.delay(name, seconds, operand, value, clocks))
+        self.transducers.append(two_sided.delay(name, seconds, operand, value, clocks, again=again))
         return value
 
 

@@ -11,6 +11,9 @@ all are silent, so it satisfies the formula whatever follows. What is owed befor
   where it said no at e itself, none at e+b either (*sworn*).
 - the delay: that everything it said is replayed.
 
+Who is asked of an instant alone goes silent behind it. If it may be asked *again*, before it has paid all it
+owes, it may go on speaking instead: no value holds at an instant alone.
+
 The locations, and what joins them, are those of the exact transducers; a promise of yes does not ask what its
 operand is until it is kept.
 """
@@ -239,8 +242,10 @@ def until(name: str, left: Value, right: Value, output: Value, *, until_the_end:
     )
 
 
-def eventually_within(name: str, most: Fraction, operand: Value, output: Value, clock: str) -> Transducer:
-    """``F_[0,most] operand``, for most > 0, with one clock."""
+def eventually_within(
+    name: str, most: Fraction, operand: Value, output: Value, clock: str, *, again: bool = False
+) -> Transducer:
+    """``F_[0,most] operand``, for most > 0, with one clock; `again`: it is asked of more than one instant."""
     past = (Constraint(clock, Relation.GREATER, most),)
     over = (Constraint(clock, Relation.AT_LEAST, most),)
     in_time = (Constraint(clock, Relation.AT_MOST, most),)
@@ -263,7 +268,7 @@ def eventually_within(name: str, most: Fraction, operand: Value, output: Value, 
         (hoping, _Move("silent", NOTHING, (here_now,))),
         (free, _Move("soon", YES, without=_without(operand, True), resets=started)),
         (soon, _Move("soon", NOTHING + YES, without=_without(operand, True))),
-        ([*free, *denying], _Move("far", (Asked.NO_KEPT,), none)),
+        ([*free, *denying], _Move("far", NO if again else (Asked.NO_KEPT,), none)),
         ([*free, *denying], _Move("sworn", (Asked.NO_ONCE,), none, resets=started)),
         (far, _Move("far", NOTHING, none)),
         (far, _Move("due", YES, none, resets=started)),
@@ -342,20 +347,25 @@ class DelayClocks:
     end: str
 
 
-def delay(name: str, seconds: Fraction, operand: Value, output: Value, clocks: DelayClocks) -> Transducer:
+def delay(
+    name: str, seconds: Fraction, operand: Value, output: Value, clocks: DelayClocks, *, again: bool = False
+) -> Transducer:
     """The value of `operand` after `seconds`, guessed and then replayed.
 
     As :func:`mitlplan.translation.seed.exact_transducers.delay`, but it may begin late and fall silent.
     """
-    return _Delay(seconds, operand, output, clocks).build(name)
+    return _Delay(seconds, operand, output, clocks, again).build(name)
 
 
 class _Delay:
-    def __init__(self, seconds: Fraction, operand: Value, output: Value, clocks: DelayClocks) -> None:
+    def __init__(
+        self, seconds: Fraction, operand: Value, output: Value, clocks: DelayClocks, again: bool
+    ) -> None:
         self._seconds = seconds
         self._operand = operand
         self._output = output
         self._clocks = clocks
+        self._again = again
 
     def build(self, name: str) -> Transducer:
         size = len(self._clocks.edges)
@@ -391,12 +401,14 @@ class _Delay:
         yield from _edges(self._output, silent, _Move("silent", NOTHING))
         for head in (0, 1):
             begun = _Line(before=True, head=head, waiting=0)
-            for ended, asked in (("", self._kept(begun)), ("closed", self._once(begun))):
+            for ended, asked in (("", self._says(begun)), ("closed", self._once(begun))):
                 resets = frozenset({self._clocks.start} | ({self._clocks.end} if ended else set()))
                 move = _Move(replace(begun, ended=ended).name, asked, resets=resets)
                 yield from _edges(self._output, silent, move)
 
-    def _kept(self, state: _Line) -> tuple[Asked, ...]:
+    def _says(self, state: _Line) -> tuple[Asked, ...]:
+        if self._again:
+            return YES if state.guessed else NO
         return (Asked.YES_KEPT if state.guessed else Asked.NO_KEPT,)
 
     def _once(self, state: _Line) -> tuple[Asked, ...]:
@@ -434,13 +446,13 @@ class _Delay:
             yield _Move(state.name, NOTHING)
             return
         ended = frozenset({self._clocks.end})
-        yield _Move(state.name, self._kept(state) + NOTHING)
+        yield _Move(state.name, self._says(state) + NOTHING)
         yield _Move(replace(state, ended="closed").name, self._once(state), resets=ended)
         yield _Move(replace(state, ended="open").name, NOTHING, resets=ended)
         if state.waiting < len(self._clocks.edges):
             started = frozenset({self._clocks.edges[(state.head + state.waiting) % len(self._clocks.edges)]})
             longer = replace(state, waiting=state.waiting + 1)
-            yield _Move(longer.name, self._kept(longer) + NOTHING, resets=started)
+            yield _Move(longer.name, self._says(longer) + NOTHING, resets=started)
             closed = replace(longer, ended="closed")
             yield _Move(closed.name, self._once(longer), resets=started | ended)
 
