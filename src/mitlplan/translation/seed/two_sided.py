@@ -11,8 +11,8 @@ all are silent, so it satisfies the formula whatever follows. What is owed befor
   where it said no at e itself, none at e+b either (*sworn*).
 - the delay: that everything it said is replayed.
 
-Who is asked of an instant alone goes silent behind it. If it may be asked *again*, before it has paid all that
-it owes, it may go on speaking instead: no value holds at an instant alone.
+Who is asked of an instant alone goes silent behind it. If it may be asked *again*, before it has paid all it
+owes, it may go on speaking instead: no value holds at an instant alone.
 
 The locations, and what joins them, are those of the exact transducers; a promise of yes does not ask what its
 operand is until it is kept.
