@@ -9,12 +9,13 @@ import json
 import resource
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
 from benchmarks.families import ROOT, Instance, goals, large, paper, responses, terrain_of
+from benchmarks.satisfiability import GivenUpError
 from mitlplan.compose import compose, core_of
 from mitlplan.planner import plan
 from mitlplan.search.fastest import Limits, Stopped, fastest_run
@@ -60,32 +61,53 @@ class Memory:
 def measured() -> Iterator[tuple[str, Memory]]:
     """All missions, one after the other."""
     for name in MISSIONS:
-        done = subprocess.run(  # noqa: S603 (our own program)
-            [sys.executable, "-m", "benchmarks.memory", name],
-            cwd=ROOT,
-            capture_output=True,
-            text=True,
-            check=True,
-        )
-        yield name, Memory(**json.loads(done.stdout))
+        yield name, Memory(**json.loads(said([sys.executable, "-m", "benchmarks.memory", name])))
 
 
-def _peak() -> int:
+_OVER = 124
+"""What ``timeout`` answers when it has stopped a command."""
+
+
+def said(command: Sequence[str], *, limit: float = 600) -> str:
+    """What a program prints, run so that its peak of memory is its own.
+
+    The system counts what a process held before it became another program, hence a program between the two.
+
+    Raises
+    ------
+    GivenUpError
+        If it takes more than `limit` seconds.
+    """
+    done = subprocess.run(  # noqa: S603 (our own program, or whichever peer the user has)
+        ["timeout", f"{limit:g}", *command],  # noqa: S607
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode == _OVER:
+        raise GivenUpError(f"over {limit:g} s")
+    done.check_returncode()
+    return done.stdout
+
+
+def peak() -> int:
+    """The most that this process has held, in bytes."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
 def _of(instance: Instance) -> Memory:
     mission = instance.mission
-    before = _peak()
+    before = peak()
     plan(mission)
-    peak = _peak()
+    after = peak()
     if instance.name == "phi2":
-        return Memory(before, peak, 0, 0)
+        return Memory(before, after, 0, 0)
     # The same search once more, for what it says of itself.
     network = compose(mission.workspace, (mission.start,), core_of(mission), horizon=mission.horizon)
     found = fastest_run(tabulate(network), Limits().begin(), parkings=False)
     assert not isinstance(found, Stopped), "there was no limit"
-    return Memory(before, peak, found.states, found.bytes)
+    return Memory(before, after, found.states, found.bytes)
 
 
 if __name__ == "__main__":

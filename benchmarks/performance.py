@@ -28,6 +28,7 @@ from benchmarks.families import (
     terrain_of,
 )
 from benchmarks.memory import measured
+from benchmarks.networks import networks, networks_part, races
 from benchmarks.report import Section, ratio, write
 from mitlplan.mission import read
 from mitlplan.plan import Plan
@@ -86,13 +87,18 @@ FAMILIES: dict[str, tuple[str, Callable[[], Iterator[Instance]]]] = {
     "large": ("Large maps", large_maps),
 }
 
+NETWORKS = "networks"
+"""The family that has no missions."""
+
 
 def main(arguments: list[str]) -> None:
     """Measures, and writes the page."""
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.performance", description="Measure the planner."
     )
-    parser.add_argument("--family", action="append", choices=FAMILIES, help="only this one; may be repeated")
+    parser.add_argument(
+        "--family", action="append", choices=[*FAMILIES, NETWORKS], help="only this one; may be repeated"
+    )
     parser.add_argument("--limit", type=float, default=30.0, help="seconds for one contestant and instance")
     parser.add_argument("--rounds", type=int, default=15, help="runs at most; the median counts")
     parser.add_argument(
@@ -104,18 +110,24 @@ def main(arguments: list[str]) -> None:
     # Imports and caches are filled by a mission that nobody counts.
     hold(paper("phi4", 3), limit=30, rounds=2, budget=10, absent={})
     sections = []
-    for family in chosen.family or FAMILIES:
+    families = chosen.family or [*FAMILIES, NETWORKS]
+    for family in families:
+        if family == NETWORKS:
+            continue
         title, instances = FAMILIES[family]
         rows = list(contests(instances(), chosen.limit, chosen.rounds, chosen.budget))
         sections.append(Section(family, title, rows))
     command = " ".join(["python -m benchmarks.performance", *arguments])
     facts = {}
-    if "paper" in (chosen.family or FAMILIES):
+    if "paper" in families:
         facts["shown"] = str(least_makespans())
-    if "examples" in (chosen.family or FAMILIES):
+    if "examples" in families:
         plain = read(EXAMPLES / "warehouse.yaml")
         facts["slower"] = ratio(ratio_in_turns(slow_warehouse().mission, plain, rounds=2 * chosen.rounds))
     memory = [] if chosen.family else list(measured())
+    parts = []
+    if NETWORKS in families:
+        parts.append(networks_part(list(races(networks(), rounds=chosen.rounds, budget=chosen.budget))))
     write(
         chosen.output,
         sections,
@@ -124,6 +136,7 @@ def main(arguments: list[str]) -> None:
         load=load,
         facts=facts,
         memory=memory,
+        parts=parts,
     )
     print(f"written: {chosen.output}")
 

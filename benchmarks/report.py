@@ -116,9 +116,10 @@ def write(
     load: Sequence[float],
     facts: Mapping[str, str],
     memory: Sequence[tuple[str, Memory]] = (),
+    parts: Sequence[str] = (),
 ) -> None:
-    """Writes the page; `facts` are what the explanations of the sections leave open."""
-    parts = [
+    """Writes the page; `facts` are what the explanations of the sections leave open, `parts` end it."""
+    page = [
         INTRODUCTION.format(
             commit=commit(),
             date=datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC"),
@@ -130,12 +131,12 @@ def write(
     ]
     for section in sections:
         text = EXPLANATIONS[section.family].format(**facts)
-        parts.append(f"## {section.title}\n\n{text}\n\n" + "\n".join(table(section.rows)) + "\n")
-        parts.append("\n".join(remarks(section)) + "\n")
+        page.append(f"## {section.title}\n\n{text}\n\n" + "\n".join(table(section.rows)) + "\n")
+        page.append("\n".join(remarks(section)) + "\n")
     if memory:
-        parts.append(MEMORY + "\n".join(memory_table(memory)) + "\n")
+        page.append(MEMORY + "\n".join(memory_table(memory)) + "\n")
     file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text("\n".join(parts), encoding="utf-8")
+    file.write_text("\n".join([*page, *parts]), encoding="utf-8")
 
 
 def commit() -> str:

@@ -20,8 +20,11 @@ from tests.mission_strategies import missions
 MISSIONS = 10_000
 CHUNK = 125
 
-KNOWN_TO_GIVE_UP = frozenset({4936, 5685, 9117})
-"""Operators with a lower bound inside one another: the search does not end in 20 s. Each by its name."""
+KNOWN_TO_GIVE_UP = frozenset({4277, 4936, 5685, 9117})
+"""Operators with a lower bound inside one another: the search does not end in 20 s. Each by its name.
+
+On 4277 the tick oracle has no answer either; the robot has no choice there, so the judge has one.
+"""
 
 
 @pytest.mark.parametrize("first", range(0, MISSIONS, CHUNK))

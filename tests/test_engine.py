@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import signal
 import stat
 import subprocess
 import sys
@@ -25,6 +27,7 @@ from mitlplan.workspace import grid
 from mitlplan_fuzz.comparison import mission_of
 from mitlplan_fuzz.missions import random_mission
 from tests.formats.test_verifyta import OLD, pretended, split
+from tests.formats.verifyta_double import SPELLINGS, verifier
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
@@ -73,6 +76,18 @@ def test_the_paper_s_own_plans() -> None:
     assert stops(second) == [("r0c0", 0), ("r1c0", 1)]
     assert second.loop is not None
     assert (second.loop.start, second.loop.period, second.checked) == (0, 2, True)
+    third = plan_by(reach, paper("F[0,4] A & F[0,4] B"), name="reach", construction="published")
+    assert isinstance(third, Plan)
+    assert (third.makespan, third.checked) == (4, True)
+
+
+def test_a_limit_stops_the_published_construction_too() -> None:
+    """The model of phi4 has 16 clocks, and takes minutes."""
+    mission = paper("F[2,4] A & F[0,2] B")
+    found = plan_by(reach, mission, name="reach", construction="published", limits=Limits(seconds=0.05))
+    assert isinstance(found, LimitReached)
+    assert found.bound is None
+    assert re.fullmatch(r"the time limit of 0.05 s was reached after \d+ states", found.reason)
 
 
 def test_what_the_published_construction_accepts_may_be_no_plan() -> None:
@@ -129,6 +144,21 @@ def test_uppaal_s_verifier_as_the_engine(tmp_path: Path, monkeypatch: pytest.Mon
     assert answer["statistics"]["engine"] == "uppaal"
 
 
+@pytest.mark.parametrize("spelling", SPELLINGS)
+@pytest.mark.parametrize("construction", ["compact", "seed", "published"])
+def test_the_verifier_is_asked_and_understood_whatever_the_model(
+    construction: str, spelling: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It gets nothing but the exported model; what it prints is a plan for the mission again."""
+    monkeypatch.setenv("PATH", str(verifier(tmp_path, spelling).parent), prepend=os.pathsep)
+    for name in ("phi1", "phi2", "phi3"):
+        command = (EXAMPLES / "paper" / f"{name}.yaml", "--construction", construction, "--format", "json")
+        asked, own = (run(*command, "--engine", engine) for engine in ("uppaal", "reach"))
+        assert asked.exit_code == own.exit_code
+        told = json.loads(asked.stdout.replace("not by uppaal", "not by reach"))
+        assert told | {"statistics": None} == json.loads(own.stdout) | {"statistics": None}
+
+
 def test_without_the_verifier_a_sentence_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("MITLPLAN_VERIFYTA", raising=False)
     monkeypatch.setenv("PATH", "")
@@ -137,12 +167,17 @@ def test_without_the_verifier_a_sentence_says_how_to_get_it(monkeypatch: pytest.
     assert "UPPAAL comes from https://uppaal.org" in result.stderr
 
 
-def test_the_verifier_ends_with_the_time_limit_and_leaves_nothing_behind(tmp_path: Path) -> None:
-    """A script that starts a program of its own, as verifyta is installed: both are stopped."""
-    mark = tmp_path / "alive"
-    program = tmp_path / "verifyta"
-    program.write_text(f"#!/bin/sh\n(sleep 2; touch {mark}) &\nwait\n")
+def slow_verifier(folder: Path) -> tuple[Path, Path]:
+    """A script that starts a program of its own, as verifyta is installed; and the file that one makes."""
+    mark = folder / "alive"
+    program = folder / "verifyta"
+    program.write_text(f"#!/bin/sh\n(sleep 2; touch {mark}) &\ntouch {folder / 'begun'}\nwait\n")
     program.chmod(program.stat().st_mode | stat.S_IXUSR)
+    return program, mark
+
+
+def test_the_verifier_ends_with_the_time_limit_and_leaves_nothing_behind(tmp_path: Path) -> None:
+    program, mark = slow_verifier(tmp_path)
     mission = str(EXAMPLES / "paper" / "phi1.yaml")
     finished = subprocess.run(  # noqa: S603  (the command line under test)
         [sys.executable, "-m", "mitlplan", "plan", mission, "--engine", "uppaal", "--time-limit", "0.3"],
@@ -153,5 +188,32 @@ def test_the_verifier_ends_with_the_time_limit_and_leaves_nothing_behind(tmp_pat
     )
     assert finished.returncode == 3
     assert "verifyta was stopped at the time limit of 0.3 s" in finished.stdout
+    time.sleep(2.2)
+    assert not mark.exists()
+
+
+def test_the_verifier_ends_with_an_interrupt(tmp_path: Path) -> None:
+    program, mark = slow_verifier(tmp_path)
+    process = subprocess.Popen(  # noqa: S603  (the command line under test)
+        [
+            sys.executable,
+            "-m",
+            "mitlplan",
+            "plan",
+            str(EXAMPLES / "paper" / "phi1.yaml"),
+            "--engine",
+            "uppaal",
+        ],
+        env=os.environ | {"MITLPLAN_VERIFYTA": str(program)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    while not (tmp_path / "begun").exists():
+        assert process.poll() is None
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    written, messages = process.communicate(timeout=30)
+    assert (process.returncode, written, messages) == (130, "", "mitlplan: interrupted\n")
     time.sleep(2.2)
     assert not mark.exists()

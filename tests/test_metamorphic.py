@@ -18,16 +18,8 @@ from mitlplan.mission import Mission, Requirement
 from mitlplan.plan import Infeasible, LimitReached, Outcome, Plan
 from mitlplan.planner import plan
 from mitlplan_fuzz.comparison import mission_of
-from mitlplan_fuzz.missions import (
-    SeededChoices,
-    SmallMission,
-    draw_formula,
-    parts,
-    random_mission,
-    text_of,
-    trivial,
-    with_operands,
-)
+from mitlplan_fuzz.formulas import SeededChoices, draw_formula, parts, text_of, trivial, with_operands
+from mitlplan_fuzz.missions import SmallMission, random_mission
 from mitlplan_fuzz.oracles.progression import co_safe, need_of
 
 CHUNKS = range(50_000, 50_240, 40)

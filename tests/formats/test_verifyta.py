@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import stat
 import sys
+from collections.abc import Iterable
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from mitlplan.automata.lockstep import Lockstep, lockstep
-from mitlplan.automata.timed_automaton import Network
-from mitlplan.automata.trace import execute, stays
+from mitlplan.automata.timed_automaton import Automaton, Edge, Location, Network, Query
+from mitlplan.automata.trace import Move, execute, stays
+from mitlplan.automata.transducer import Constraint, Relation
 from mitlplan.errors import ToolError
 from mitlplan.formats.identifiers import with_identifiers
-from mitlplan.formats.uppaal import KEYWORDS, bounds, comparison, update
+from mitlplan.formats.uppaal import KEYWORDS
 from mitlplan.formats.verifyta import (
     VARIABLE,
     Verdict,
@@ -29,7 +33,9 @@ from mitlplan.search import reach as native
 from mitlplan.search.fastest import Limits, Stopped
 from mitlplan.translation.seed.published_network import PublishedModel, published_model
 from mitlplan.translation.seed.repaired import translate
-from tests.oracles.published_reach import Reached, reach
+from tests.formats.verifyta_double import SPELLINGS, spelled
+from tests.oracles.published_reach import reach
+from tests.search.test_reach import questions
 from tests.translation.seed.paper import PHI, ring
 from tests.translation.seed.test_repaired import network, paper_map
 
@@ -269,34 +275,42 @@ def test_where_the_program_is(tmp_path: Path) -> None:
         find_verifyta({VARIABLE: "/nowhere", "PATH": str(tmp_path)})
 
 
-def spelled(own: Network, found: Reached) -> str:
-    """A trace as the verifier would print it."""
-    lines = [" -- Formula is satisfied.", "Showing example trace.", "State:"]
-    for _, move in found.trace:
-        lines.append("Transitions:")
-        for place, index in move:
-            each = own.automata[place]
-            edge = each.edges[index]
-            ends = [f"{each.name}.{each.locations[end].name}" for end in (edge.source, edge.target)]
-            guard = " && ".join([*bounds(edge.guard, 1), *map(comparison, edge.tests)]) or "1"
-            done = ", ".join([*(f"{clock} := 0" for clock in edge.resets), *map(update, edge.assignments)])
-            lines.append(
-                f"  {ends[0]}->{ends[1]} {{ {guard}, {edge.synchronisation or 'tau'}, {done or 1} }}"
-            )
-    return "\n".join(lines)
-
-
 def stepped(text: str) -> Lockstep:
     core = normalize(parse(text), "standard", horizon="infinite")
     own = network(paper_map(waiting=False), 0, translate(core))
     return lockstep(own, ["pos0", "pos1", "pos2", "pos3"], parkings=False)
 
 
+@pytest.mark.parametrize("spelling", SPELLINGS)
 @pytest.mark.parametrize("text", ["(!A U B) & F A", "F[0,4] A & F[1,2] B", "G[0,3] !A & F B"])
-def test_like_edges_are_told_apart(text: str) -> None:
+def test_like_edges_are_told_apart(text: str, spelling: str) -> None:
     own = stepped(text)
     found = reach(own.network, own.query, latest=Fraction(6))
     assert found is not None
     renamed, _ = with_identifiers(own.network, own.query, KEYWORDS)
-    moves = read_moves(spelled(renamed, found), own.network)
-    assert moves == [move for _, move in found.trace]
+    lines = (line for _, move in found.trace for line in spelled(renamed, move, spelling))
+    assert read_moves("\n".join(lines), own.network) == [move for _, move in found.trace]
+
+
+def test_one_number_is_no_part_of_another() -> None:
+    late, later = ((Constraint("x", Relation.AT_LEAST, Fraction(bound)),) for bound in (1, 10))
+    walk = Automaton("robot", (Location("a"), Location("b")), (Edge(0, 1, late), Edge(0, 1, later)))
+    trace = "Transitions:\n  robot.a->robot.b { x >= 10, tau, 1 }\n"
+    assert read_moves(trace, Network((walk,), ("x",))) == [((0, 1),)]
+
+
+@settings(max_examples=100)
+@given(questions(relations=tuple(Relation)), st.sampled_from(SPELLINGS))
+def test_the_edges_of_any_trace_are_found_again(question: tuple[Network, Query], spelling: str) -> None:
+    network, query = question
+    answer = native.reach(network, query)
+    if not isinstance(answer, native.Reached):
+        return
+    renamed, _ = with_identifiers(network, query, KEYWORDS)
+    lines = (line for move in answer.trace.moves for line in spelled(renamed, move, spelling))
+    again = read_moves("\n".join(lines), network)
+
+    def meant(moves: Iterable[Move]) -> list[list[tuple[int, Edge]]]:
+        return [[(place, network.automata[place].edges[index]) for place, index in move] for move in moves]
+
+    assert meant(again) == meant(answer.trace.moves)

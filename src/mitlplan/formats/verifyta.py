@@ -248,7 +248,7 @@ class _Matcher:
 
     def _likeness(self, edge: Edge, label: str) -> int:
         """How many of the edge's conditions and updates are found in the label."""
-        said = _squeezed(label)
+        said = {_squeezed(part) for part in re.split("&&|[,;]", label)}
         parts: list[str] = [*bounds(edge.guard, self._scale), *map(comparison, edge.tests)]
         parts += [*(f"{clock} = 0" for clock in edge.resets), *map(update, edge.assignments)]
         if edge.synchronisation is not None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TypeAlias, Union
 
@@ -38,11 +38,14 @@ class Effort:
         States that lie in no other.
     transitions
         Moves tried.
+    bytes
+        The memory that the search used for its states.
     """
 
     visited: int = 0
     stored: int = 0
     transitions: int = 0
+    bytes: int = field(default=0, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,7 +234,8 @@ class _Ways:
 
     def effort(self) -> Effort:
         """What has been done so far."""
-        return Effort(self.search.visited, self.search.stored, self.search.transitions)
+        search = self.search
+        return Effort(search.visited, search.stored, search.transitions, search.bytes)
 
 
 def _rank(trace: Trace) -> tuple[Fraction, bool]:

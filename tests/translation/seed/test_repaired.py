@@ -93,6 +93,8 @@ def paper_map(*, waiting: bool) -> Workspace:
         ("F[2,4] A", True, 2),
         ("G[2,4](F[1,3] A | B)", False, 5),
         ("G[0,2] !A", False, 2),
+        # Asked at 0, silent, and asked again at 1, when what was said at 0 is still to be replayed.
+        ("F[0,1] (F[3,4] A & A) & F[3,4] A", False, 5),
         ("F[4,5] A & F[2,3] B", False, 5),
         ("F(A & F[5,6] A) & G[0,7] F[0,2] (A | B)", False, 7),
         # One part is asked of two instants, the second before what was owed for the first is paid.
