@@ -77,9 +77,11 @@ def _read(file: Path, query: str) -> tuple[Network, Query]:
     from mitlplan.errors import ModelError
     from mitlplan.formats.uppaal_query import read_query
     from mitlplan.formats.uppaal_read import read_uppaal
+    from mitlplan.formats.uppaal_tree import MOST_BYTES
 
     try:
-        text = file.read_bytes()
+        with file.open("rb") as stream:
+            text = stream.read(MOST_BYTES + 1)
     except OSError as error:
         raise ModelError(f"cannot be read: {error.strerror}", file=str(file)) from None
     model = read_uppaal(text, file=str(file))

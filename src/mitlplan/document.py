@@ -35,6 +35,9 @@ Path: TypeAlias = Sequence[str | int]
 """Keys and places from the root of a document to a value in it."""
 
 _MOST_BYTES = {"JSON": 32 * 2**20, "YAML": 8 * 2**20}
+_MOST_CHARACTERS_SEARCHED = 2 * 2**20
+"""Places in JSON are found by reading it as YAML, which takes a second or more for a million characters."""
+
 _MOST_VALUES = 1_000_000
 _DEEPEST = 30
 _TOO_MANY = f"the file holds too much; at most {_MOST_VALUES} values are read"
@@ -92,8 +95,10 @@ class Document:
         )
 
     def _root(self) -> _Node | None:
+        if not 0 < len(self.text) <= _MOST_CHARACTERS_SEARCHED:
+            return None
         try:
-            return _tree(self.text, self.file) if self.text else None
+            return _tree(self.text, self.file)
         except MissionError:
             return None
 
@@ -192,7 +197,8 @@ def _json(text: str, file: str) -> Any:
     except RecursionError:
         raise MissionError(f"the file is nested too deep; {_DEEPEST} levels are read", file=file) from None
     except _RepeatedKeyError as repeated:
-        _tree(text, file)
+        if len(text) <= _MOST_CHARACTERS_SEARCHED:
+            _tree(text, file)
         raise MissionError(f"the key '{repeated}' is given twice", file=file) from None
 
 

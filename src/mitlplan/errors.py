@@ -6,9 +6,17 @@ sentence and exits with 2; nothing else in the project prints or exits.
 
 from __future__ import annotations
 
+_LONGEST = 1000
+
 
 class MitlplanError(Exception):
     """The common parent: ``str(error)`` is the sentence for the user."""
+
+
+def _readable(message: str) -> str:
+    """The message without its middle, if that is a name of megabytes."""
+    half = _LONGEST // 2
+    return message if len(message) <= _LONGEST else f"{message[:half]} ... {message[-half:]}"
 
 
 class FormulaError(MitlplanError):
@@ -64,7 +72,7 @@ class MissionError(MitlplanError):
         self.line = line
         self.column = column
         place = ":".join(str(part) for part in (file, line, column) if part not in ("", None))
-        super().__init__(f"{place}: {problem}" if place else problem)
+        super().__init__(_readable(f"{place}: {problem}" if place else problem))
 
 
 class WorkspaceError(MitlplanError):
@@ -103,7 +111,7 @@ class ModelError(MitlplanError):
         self.line = line
         self.element = element
         place = ":".join(str(part) for part in (file, line) if part not in ("", None))
-        super().__init__(": ".join(part for part in (place, element, problem) if part))
+        super().__init__(_readable(": ".join(part for part in (place, element, problem) if part)))
 
 
 class ToolError(MitlplanError):

@@ -213,7 +213,8 @@ class Keys(BaseModel):
 
 
 def _advise_key(key: str, known: Mapping[str, bool]) -> str:
-    close = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
+    # No more of it: with a key of megabytes, comparing takes minutes and gigabytes.
+    close = difflib.get_close_matches(key[:100], known, n=1, cutoff=0.6)
     return f"did you mean '{close[0]}'?" if close else f"the keys here are {', '.join(known)}"
 
 

@@ -259,7 +259,7 @@ def _against_oracle(small: SmallMission, found: Plan, answer: Answer) -> Iterato
         case Least(makespan) if not small.tick_timed:
             if bound > makespan or (found.makespan > makespan and bound == found.makespan):
                 yield f"the engine is slower than the oracle: {answer}"
-            elif found.makespan == makespan and not found.attained:
+            elif found.makespan == bound == makespan and not found.attained:
                 yield f"the engine takes for an infimum what is attained: {answer}"
         case Least(makespan):
             least, attained = Fraction(floor(makespan)), makespan.denominator == 1

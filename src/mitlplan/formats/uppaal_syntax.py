@@ -15,6 +15,7 @@ from mitlplan.errors import ModelError
 
 DEEPEST = 50
 MOST_DIGITS = 9
+MOST_WORDS = 1_000_000
 
 _WORDS = re.compile(
     r"(?P<space>\s+|//[^\n]*|/\*.*?\*/)"
@@ -101,7 +102,7 @@ def words_of(text: str, place: Place) -> list[Word]:
     Raises
     ------
     ModelError
-        At a character that belongs to no word.
+        At a character that belongs to no word, and if there are more than :data:`MOST_WORDS`.
     """
     words: list[Word] = []
     at, line = 0, place.line
@@ -115,6 +116,8 @@ def words_of(text: str, place: Place) -> list[Word]:
         if kind == "number" and len(match[0]) > MOST_DIGITS:
             raise place.complain(f"the number {match[0][:20]} is too large", line)
         if kind != "space":
+            if len(words) == MOST_WORDS:
+                raise place.complain(f"more than {MOST_WORDS} words in one text are not read", line)
             spelled = _SPELLINGS.get(match[0], match[0])
             words.append(Word("sign" if spelled != match[0] else kind, spelled, line))
         line += match[0].count("\n")

@@ -86,14 +86,14 @@ def parse_xml(text: bytes, file: str) -> Node:
         If the text is no XML, no model, or too large.
     """
     from defusedxml.common import DefusedXmlException
-    from defusedxml.sax import make_parser
+    from defusedxml.expatreader import DefusedExpatParser
 
     if len(text) > MOST_BYTES:
         raise ModelError(f"the file has more than {MOST_BYTES // 2**20} MB, which is not read", file=file)
     builder = _Builder(file)
-    parser = make_parser()
+    # All at once: expat begins anew on a word of the XML that goes on in the next piece of the file.
     # Every UPPAAL file names its DTD. It is not fetched, and declarations of entities are refused.
-    parser.forbid_dtd = parser.forbid_external = False
+    parser = DefusedExpatParser(bufsize=len(text) + 1, forbid_external=False)
     parser.setFeature(feature_external_ges, False)
     parser.setContentHandler(builder)
     try:

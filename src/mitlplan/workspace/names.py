@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 _GRID_NAME = re.compile(r"r(0|[1-9]\d{0,8})c(0|[1-9]\d{0,8})", re.ASCII)
 _MOST_COMPARED = 5000
+_LONGEST_COMPARED = 500
 
 
 class ListedNames(Sequence[str]):
@@ -118,7 +119,9 @@ def advise(name: str, known: Sequence[str], kind: str) -> str:
     >>> advise("x", ["dock", "hall"], "cells")
     'the cells are dock, hall'
     """
-    close = difflib.get_close_matches(name, known[:_MOST_COMPARED], n=3, cutoff=0.6)
+    # With a name of megabytes, comparing takes minutes and gigabytes.
+    compared = known[:_MOST_COMPARED] if len(name) <= _LONGEST_COMPARED else ()
+    close = difflib.get_close_matches(name[:_LONGEST_COMPARED], compared, n=3, cutoff=0.6)
     if close:
         return f"did you mean {' or '.join(close)}?"
     if not known:

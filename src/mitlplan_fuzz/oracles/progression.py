@@ -121,6 +121,9 @@ def timed(strong: bool, left: Need, right: Need, interval: Interval, scale: Frac
     neutral, decisive = Known(strong), Known(not strong)
     if right == decisive or (right == neutral and (left == neutral or Fraction(0) in interval)):
         return right
+    if interval.upper == 0:
+        # Of the present: what is known of it is known.
+        return right
     upper = None if interval.upper is None else _whole(interval.upper * scale)
     return Timed(
         strong,
