@@ -107,6 +107,8 @@ void Reachability::store(NodeId parent, Index state, const ActiveClocks& clocks)
         if (dbm::simulates(settled_, zone, clocks.dimension(), clocks.lower, clocks.upper)) {
             other.covered = true;
             ++covered_;
+            // Nobody looks at its zone again, unless it is the one whose moves are being made.
+            if (*link != from_) arena_.give_back(std::exchange(other.zone, nullptr), size);
             *link = other.next;
         } else {
             link = &other.next;

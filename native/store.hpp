@@ -70,10 +70,15 @@ private:
     std::vector<Index> slots_;  // number + 1, or 0
 };
 
-/// Memory for zones that is handed out piece by piece and never moves.
+/// Memory for zones that is handed out piece by piece and never moves. What is given back is handed out again.
 class Arena {
 public:
     Bound* allocate(std::size_t count) {
+        if (count < returned_.size() && !returned_[count].empty()) {
+            Bound* const result = returned_[count].back();
+            returned_[count].pop_back();
+            return result;
+        }
         if (count > free_) {
             const std::size_t size = std::max(block, count);
             blocks_.push_back(std::make_unique_for_overwrite<Bound[]>(size));
@@ -87,12 +92,18 @@ public:
         return result;
     }
 
+    void give_back(Bound* piece, std::size_t count) {
+        if (count >= returned_.size()) returned_.resize(count + 1);
+        returned_[count].push_back(piece);
+    }
+
     std::size_t bytes() const noexcept { return bytes_; }
 
 private:
     static constexpr std::size_t block = std::size_t{1} << 16;
 
     std::vector<std::unique_ptr<Bound[]>> blocks_;
+    std::vector<std::vector<Bound*>> returned_;  // by length
     std::size_t free_ = 0;
     std::size_t used_ = 0;
     std::size_t bytes_ = 0;

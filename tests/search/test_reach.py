@@ -251,6 +251,16 @@ def test_the_zones_of_fischer_s_protocol_are_those_of_the_literature(
     assert (effort.visited, effort.stored, effort.transitions) == (visited, stored, transitions)
 
 
+def test_zones_that_lie_in_others_make_room() -> None:
+    """A third of the zones of Fischer's protocol are covered in the course of the search."""
+    protocol = fischer(8)
+    answer = reach(protocol.network, protocol.forbidden)
+    assert isinstance(answer, Unreachable)
+    assert answer.effort.visited > 1.5 * answer.effort.stored
+    # A zone has at most 9 x 9 bounds of 8 bytes: all the rest that a state takes is in the difference.
+    assert answer.effort.bytes < 9 * 9 * 8 * answer.effort.stored
+
+
 @pytest.mark.parametrize("protocol", [fischer(3), fischer(3, patient=False), csma_cd(2), csma_cd(3)], ids=str)
 def test_what_protocols_prevent_and_when_the_usual_happens(protocol: Any) -> None:
     assert isinstance(reach(protocol.network, protocol.forbidden), Unreachable)
