@@ -122,6 +122,20 @@ def test_a_file_that_is_huge(tmp_path: Path, name: str, most: str) -> None:
         read_document(file)
 
 
+@pytest.mark.parametrize("name", ["many.yaml", "many.json"])
+def test_a_file_of_too_many_values(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mitlplan.document._MOST_VALUES", 10)
+    with pytest.raises(MissionError, match="the file holds too much; at most 1000000 values are read"):
+        read_document(write(tmp_path, f"[{', '.join(['1'] * 30)}]", name))
+
+
+def test_places_are_not_sought_in_large_files(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = '{"a": "1"}'
+    assert str(Document({"a": "1"}, "m", text).error(Fault("wrong", ("a",)))) == "m:1:7: a: wrong"
+    monkeypatch.setattr("mitlplan.document._MOST_CHARACTERS_SEARCHED", 5)
+    assert str(Document({"a": "1"}, "m", text).error(Fault("wrong", ("a",)))) == "m: a: wrong"
+
+
 def test_a_byte_order_mark_is_no_part_of_the_text(tmp_path: Path) -> None:
     assert read_document(write(tmp_path, b"\xef\xbb\xbfa: 1\n")).data == {"a": "1"}
 

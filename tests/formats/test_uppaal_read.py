@@ -234,6 +234,16 @@ def problem(text: bytes) -> str:
     return str(caught.value)
 
 
+def test_what_is_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    sound = b"<nta><declaration>clock x, y;</declaration><system></system></nta>"
+    monkeypatch.setattr("mitlplan.formats.uppaal_syntax.MOST_WORDS", 3)
+    assert problem(sound) == "m.xml:1: declaration: more than 3 words in one text are not read"
+    monkeypatch.setattr("mitlplan.formats.uppaal_tree.MOST_ELEMENTS", 2)
+    assert problem(sound) == "m.xml:1: the model is too large or too deep to be read"
+    monkeypatch.setattr("mitlplan.formats.uppaal_tree.MOST_BYTES", len(sound) - 1)
+    assert problem(sound) == "m.xml: the file has more than 0 MB, which is not read"
+
+
 @pytest.mark.parametrize(
     ("declaration", "message"),
     [
