@@ -63,6 +63,10 @@ def test_parking() -> None:
             {"attained": False, "epsilon": Fraction(1, 1000)},
             "infimum 7/2, which no plan attains; this one is within 1/1000 (2 moves, checked)",
         ),
+        (
+            {"attained": False, "epsilon": Fraction(1, 1000), "bound": Fraction(1)},
+            "makespan within 1/1000 of 7/2 (none is below 1, 2 moves, checked)",
+        ),
         ({"bound": Fraction(3)}, "makespan 7/2 (about 3.5, none is below 3, 2 moves, checked)"),
         ({"bound": None}, "makespan 7/2 (about 3.5, none is below 0, 2 moves, checked)"),
     ],
