@@ -2,9 +2,9 @@
 
     python -m benchmarks.limits [--seconds 3] [--megabytes 200] [--interrupts 4] [--seed 1] [MISSION]...
 
-Starts the command line as a user does, on missions each of which is heavy in another stage. A row tells by how
-much the command outlasted its time limit, how much more memory it took than a command with nothing to do, in
-parts of its memory limit, and how long it took to end after Ctrl-C at a random moment, at worst.
+Starts the command line as a user does, on missions each of which is heavy in another stage. A row tells how
+long the command ran, in parts of its time limit; how much more memory it took than a command with nothing to
+do, in parts of its memory limit; and how long it took to end after Ctrl-C at a random moment, at worst.
 """
 
 from __future__ import annotations

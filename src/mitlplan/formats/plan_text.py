@@ -124,7 +124,10 @@ def _summary(plan: Plan) -> str:
     moves = len(plan.steps) - 1
     size = f"{moves} {'move' if moves == 1 else 'moves'}"
     if not plan.attained and plan.bound not in (None, plan.makespan):
-        return f"makespan within {plan.epsilon} of {plan.makespan} (none is below {plan.bound}, {size}, {checked})"
+        return (
+            f"makespan within {plan.epsilon} of {plan.makespan} "
+            f"(none is below {plan.bound}, {size}, {checked})"
+        )
     if not plan.attained:
         return (
             f"infimum {plan.makespan}, which no plan attains; this one is within {plan.epsilon} "
