@@ -310,7 +310,7 @@ def rank(trace: Trace) -> tuple[Fraction, bool]:
 
 
 def _overheard(network: Network, trace: Trace) -> tuple[int, Guard]:
-    """The first move that somebody else would have to receive, and the guard of that; ``()`` if there is none."""
+    """The first move that somebody else would have to receive, and by what guard; ``()`` if there is none."""
     state = _started(network)
     now = Fraction(0)
     for number, (move, time) in enumerate(zip(trace.moves, trace.times, strict=True)):
