@@ -8,8 +8,7 @@ turn=arc``.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
@@ -18,8 +17,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mitlplan.cli_options import BAD_INPUT, LIMIT, NONE, Reported
-from mitlplan.errors import MitlplanError, OutputError, TrajectoryError
+from mitlplan.cli_answers import LIMIT, NONE, deliver, errors_reported, say
+from mitlplan.cli_options import MissionFile, Output, positive_option, read_mission
+from mitlplan.errors import OutputError, TrajectoryError
 
 if TYPE_CHECKING:
     from mitlplan.mission import Mission
@@ -59,19 +59,6 @@ class Shown(str, Enum):
     trajectory = "trajectory"
 
 
-def _step_option(text: str | None) -> str | None:
-    from mitlplan.exact import exact
-
-    if text is not None:
-        try:
-            if exact(text) == 0:
-                raise typer.BadParameter("a positive number is expected, such as 1/20")
-        except ValueError as error:
-            raise typer.BadParameter(str(error)) from None
-    return text
-
-
-MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")]
 PlanFile = Annotated[
     Path | None,
     typer.Argument(
@@ -88,17 +75,8 @@ DriveOptions = Annotated[
 ]
 
 
-def register(app: typer.Typer, reported: Reported | None = None) -> None:
-    """Add the commands to `app`.
-
-    Parameters
-    ----------
-    app
-        The command line.
-    reported
-        Turns errors into sentences and exit codes; by default only those that a user can meet.
-    """
-    reporting = _reported if reported is None else reported
+def register(app: typer.Typer) -> None:
+    """Add the commands to `app`."""
 
     @app.command("trajectory")
     def trajectory_command(
@@ -108,17 +86,14 @@ def register(app: typer.Typer, reported: Reported | None = None) -> None:
             TrajectoryForm,
             typer.Option("--format", help="How it is written; sqlite3 and mcap are ROS 2 bags."),
         ] = TrajectoryForm.csv,
-        output: Annotated[
-            Path | None,
-            typer.Option("--output", "-o", metavar="FILE", help="Write here instead of to stdout."),
-        ] = None,
+        output: Output = None,
         step: Annotated[
-            str, typer.Option(metavar="SECONDS", callback=_step_option, help="Between two samples.")
+            str, typer.Option(metavar="SECONDS", callback=positive_option, help="Between two samples.")
         ] = "1/20",
         until: Annotated[
             str | None,
             typer.Option(
-                metavar="SECONDS", callback=_step_option, help="How long to follow a plan that goes round."
+                metavar="SECONDS", callback=positive_option, help="How long to follow a plan that goes round."
             ),
         ] = None,
         frame: Annotated[str, typer.Option(help="The coordinate frame named in a bag.")] = "map",
@@ -126,7 +101,7 @@ def register(app: typer.Typer, reported: Reported | None = None) -> None:
         drive: DriveOptions = None,
     ) -> None:
         """Follow a plan: time, pose and controls of a robot that is in its cells when the plan says so."""
-        with reporting():
+        with errors_reported():
             wishes = _wishes(robot or (), drive or ())
             bag = form in (TrajectoryForm.sqlite3, TrajectoryForm.mcap)
             _check_output(output, bag=bag)
@@ -151,7 +126,7 @@ def register(app: typer.Typer, reported: Reported | None = None) -> None:
         """Draw the map with its regions, and the plan or the trajectory on it."""
         from mitlplan.formats.output import write_whole
 
-        with reporting():
+        with errors_reported():
             wishes = _wishes(robot or (), drive or ())
             _check_output(output)
             kind = _picture_kind(output, shown)
@@ -236,12 +211,11 @@ def _planned(mission: Path, plan: Path | None) -> tuple[Mission, Plan]:
     from mitlplan.check import check
     from mitlplan.errors import PlanFileError
     from mitlplan.formats.plan_json import read_plan
-    from mitlplan.mission import read
     from mitlplan.plan import Infeasible, LimitReached
     from mitlplan.plan import Plan as FoundPlan
     from mitlplan.planner import plan as find
 
-    found = read(mission)
+    found = read_mission(mission)
     outcome = find(found) if plan is None else read_plan(plan)
     match outcome:
         case FoundPlan():
@@ -250,10 +224,10 @@ def _planned(mission: Path, plan: Path | None) -> tuple[Mission, Plan]:
                 raise PlanFileError(f"{plan}: the plan is not one for this mission: {fault}")
             return found, outcome
         case Infeasible(reason=reason):
-            _say(f"no plan: {reason}")
+            say(f"no plan: {reason}")
             raise typer.Exit(NONE)
         case LimitReached(reason=reason):
-            _say(f"no plan found: {reason}")
+            say(f"no plan found: {reason}")
             raise typer.Exit(LIMIT)
 
 
@@ -317,7 +291,7 @@ def _retimed(
         deadline=deadline,
     )
     if found.cost > found.bound:
-        _say(f"the new times cost {found.cost:.6g}; others may cost less, but not below {found.bound:.6g}")
+        say(f"the new times cost {found.cost:.6g}; others may cost less, but not below {found.bound:.6g}")
     return found.plan
 
 
@@ -355,8 +329,6 @@ class _Writing:
 
 
 def _write_trajectory(trajectory: Trajectory, plan: Plan, writing: _Writing, output: Path | None) -> None:
-    from mitlplan.formats.output import write_whole
-
     try:
         match writing.form:
             case TrajectoryForm.csv:
@@ -384,10 +356,7 @@ def _write_trajectory(trajectory: Trajectory, plan: Plan, writing: _Writing, out
                 return
     except ValueError as error:
         raise OutputError(str(error)) from None
-    if output is None:
-        typer.echo(text, nl=False)
-    else:
-        write_whole(output, text)
+    deliver(text, output)
 
 
 def _picture_kind(output: Path, shown: Shown) -> str:
@@ -400,16 +369,14 @@ def _picture_kind(output: Path, shown: Shown) -> str:
 
 
 def _drawn(mission: Path, plan: Path | None, kind: Any, shown: Shown, title: str, wishes: _Wishes) -> bytes:
-    from mitlplan.mission import read
-
     try:
         from mitlplan.draw import animation, picture, rendered
     except ImportError:
         raise OutputError("pictures need the package matplotlib: pip install 'mitlplan[draw]'") from None
     if shown is Shown.map:
-        read_mission = read(mission)
-        model = read_mission.robot
-        return rendered(picture(model.ground if model else read_mission.workspace, title=title), kind)
+        world = read_mission(mission)
+        ground = world.workspace if world.robot is None else world.robot.ground
+        return rendered(picture(ground, title=title), kind)
     found, planned = _planned(mission, plan)
     if shown is Shown.plan:
         return rendered(picture(*_on_the_ground(found, planned), title=title), kind)
@@ -433,16 +400,3 @@ def _check_output(output: Path | None, *, bag: bool = False) -> None:
             check_new(output)
         case Path(), False:
             check_writable(output)
-
-
-def _say(message: str) -> None:
-    typer.echo(message, err=True)
-
-
-@contextmanager
-def _reported() -> Iterator[None]:
-    try:
-        yield
-    except MitlplanError as error:
-        _say(f"mitlplan: {error}")
-        raise typer.Exit(BAD_INPUT) from None
