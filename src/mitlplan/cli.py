@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Annotated, TextIO
 
 import typer
 
-from mitlplan import cli_models, cli_reach, cli_trajectory
+from mitlplan import cli_draw, cli_models, cli_reach, cli_trajectory
 from mitlplan.cli_answers import FOUND, LIMIT, NONE, deliver, errors_reported, progress_shown, say, write_out
 from mitlplan.cli_options import (
     Construction,
@@ -372,3 +372,4 @@ def _decide(
 cli_models.register(app)
 cli_reach.register(app)
 cli_trajectory.register(app)
+cli_draw.register(app)

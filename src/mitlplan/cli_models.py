@@ -1,14 +1,9 @@
-"""The commands `translate` and `automaton`: a mission as a model for other tools, and as a picture.
-
-Both make the network of the mission by one of the constructions (:mod:`mitlplan.models`); they differ in what
-they write. `automaton --figure` draws the figures of Zhou, Maity and Baras from the code's own automata.
-"""
+"""The command `translate`: a mission as a network of timed automata for other tools."""
 
 from __future__ import annotations
 
 from enum import Enum
 from fractions import Fraction
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -25,7 +20,7 @@ from mitlplan.cli_options import (
 )
 
 if TYPE_CHECKING:
-    from mitlplan.automata.timed_automaton import Automaton, Network
+    from mitlplan.automata.timed_automaton import Network
     from mitlplan.formats.layout import Layout
     from mitlplan.mission import Mission
     from mitlplan.models import MissionModel
@@ -51,13 +46,8 @@ def _bound_option(text: str | None) -> str | None:
     return text
 
 
-OptionalMission = Annotated[
-    Path | None, typer.Argument(metavar="[MISSION]", help="A mission file, YAML or JSON.")
-]
-
-
 def register(app: typer.Typer) -> None:
-    """Add the commands to `app`."""
+    """Add the command to `app`."""
 
     @app.command("translate")
     def translate_command(
@@ -79,27 +69,6 @@ def register(app: typer.Typer) -> None:
             read = read_mission(mission, until, horizon)
             latest = None if bound is None else Fraction(bound)
             deliver(translated(read, form, construction, bound=latest), output)
-
-    @app.command("automaton")
-    def automaton_command(
-        mission: OptionalMission = None,
-        construction: ConstructionOption = Construction.published,
-        figure: Annotated[
-            str,
-            typer.Option(metavar="NAME", help="Instead of a mission, a figure of the paper: fig1 to fig9."),
-        ] = "",
-        part: Annotated[str, typer.Option(metavar="NAME", help="Draw only this automaton.")] = "",
-        output: Annotated[
-            Path,
-            typer.Option("--output", "-o", metavar="FILE", help="An svg, or a dot to be drawn elsewhere."),
-        ] = Path("automaton.svg"),
-    ) -> None:
-        """Draw the automata of a mission, or those of the paper's figures."""
-        with errors_reported():
-            if (mission is None) == (not figure):
-                raise typer.BadParameter("name a mission or a figure, and not both")
-            dot = paper_figure(figure) if mission is None else mission_dot(mission, construction, part)
-            draw_to(output, dot)
 
 
 # -- what the commands do ------------------------------------------------------------------------------
@@ -158,50 +127,3 @@ def _folded(mission: Mission, model: MissionModel) -> Network:
     folded, column = fold_columns(robot, coordinates, "column")
     variables = (*model.network.variables, column)
     return replace(model.network, automata=(folded, *watchers), variables=variables)
-
-
-def mission_dot(mission: Path, construction: Construction, part: str) -> str:
-    """The graph of one automaton of a mission: the one called `part`, or the robot's."""
-    from mitlplan.errors import MissionError
-    from mitlplan.formats.dot import automaton_dot
-    from mitlplan.models import model_of_mission
-
-    read = read_mission(mission)
-    model = model_of_mission(read, construction.value)
-    known = {each.name: each for each in model.network.automata}
-    chosen: Automaton | None = known.get(part) if part else model.network.automata[0]
-    if chosen is None:
-        raise MissionError(f"there is no automaton {part}; there are {', '.join(known)}")
-    return automaton_dot(chosen, points=layout_of(read, model).get(chosen.name))
-
-
-def paper_figure(name: str) -> str:
-    """The graph of a figure of the paper: ``fig1``, ``fig2``, ``fig4`` to ``fig9``.
-
-    Raises
-    ------
-    ToolError
-        If there is no such figure.
-    """
-    from mitlplan.errors import ToolError
-    from mitlplan.paper import figures
-
-    known = figures()
-    if name not in known:
-        raise ToolError(f"there is no figure {name}; there are {', '.join(known)}")
-    return known[name]
-
-
-def draw_to(output: Path, dot: str) -> None:
-    """Write a graph as what the file's name asks for: ``.dot``, or a picture."""
-    from mitlplan.draw.automata import draw_graph
-    from mitlplan.errors import OutputError
-    from mitlplan.formats.output import check_writable, write_whole
-
-    check_writable(output)
-    if output.suffix == ".dot":
-        write_whole(output, dot)
-    elif output.suffix == ".svg":
-        write_whole(output, draw_graph(dot).decode())
-    else:
-        raise OutputError(f"cannot write {output}: an automaton is drawn as .svg or .dot")

@@ -1,9 +1,8 @@
-"""The commands `trajectory` and `draw`: from a mission or a plan to what a robot drives, and to a picture.
+"""The command `trajectory`: from a mission or a plan to what a robot drives.
 
-Both read the mission, take the plan from a file or find it, and follow it; they differ in what they write.
-As everywhere results go to stdout and sentences to stderr, and the exit code is 1 or 3 where there is no
-plan. What is said of the robot and of how it is driven is the same for both: ``--robot speed=1/2 --drive
-turn=arc``.
+It reads the mission, takes the plan from a file or finds it, and follows it; `draw` does the same and makes a
+picture of it. As everywhere results go to stdout and sentences to stderr, and the exit code is 1 or 3 where
+there is no plan. What is said of the robot and of how it is driven: ``--robot speed=1/2 --drive turn=arc``.
 """
 
 from __future__ import annotations
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
     from mitlplan.mission import Mission
     from mitlplan.plan import Plan
     from mitlplan.trajectory import Driving, Robot, Trajectory
-    from mitlplan.workspace import Workspace
 
 ROBOT_KEYS = ("speed", "turn_rate", "acceleration", "turn_acceleration", "radius", "heading")
 DRIVE_KEYS = (
@@ -51,14 +49,6 @@ class TrajectoryForm(str, Enum):
     mcap = "mcap"
 
 
-class Shown(str, Enum):
-    """What is drawn."""
-
-    map = "map"
-    plan = "plan"
-    trajectory = "trajectory"
-
-
 PlanFile = Annotated[
     Path | None,
     typer.Argument(
@@ -76,7 +66,7 @@ DriveOptions = Annotated[
 
 
 def register(app: typer.Typer) -> None:
-    """Add the commands to `app`."""
+    """Add the command to `app`."""
 
     @app.command("trajectory")
     def trajectory_command(
@@ -102,42 +92,20 @@ def register(app: typer.Typer) -> None:
     ) -> None:
         """Follow a plan: time, pose and controls of a robot that is in its cells when the plan says so."""
         with errors_reported():
-            wishes = _wishes(robot or (), drive or ())
+            wishes = wishes_of(robot or (), drive or ())
             bag = form in (TrajectoryForm.sqlite3, TrajectoryForm.mcap)
             _check_output(output, bag=bag)
-            read, found = _planned(mission, plan)
-            found, driven = _driven(read, found, wishes)
+            read, found = mission_and_plan(mission, plan)
+            found, driven = trajectory_of(read, found, wishes)
             writing = _Writing(form, Fraction(step), None if until is None else Fraction(until), frame)
             _write_trajectory(driven, found, writing, output)
-
-    @app.command("draw")
-    def draw_command(
-        mission: MissionFile,
-        plan: PlanFile = None,
-        output: Annotated[
-            Path,
-            typer.Option("--output", "-o", metavar="FILE", help="An svg, png or pdf, or a gif that moves."),
-        ] = Path("plan.svg"),
-        shown: Annotated[Shown, typer.Option("--show", help="What is drawn on the map.")] = Shown.trajectory,
-        title: Annotated[str, typer.Option(help="Written above the map.")] = "",
-        robot: RobotOptions = None,
-        drive: DriveOptions = None,
-    ) -> None:
-        """Draw the map with its regions, and the plan or the trajectory on it."""
-        from mitlplan.formats.output import write_whole
-
-        with errors_reported():
-            wishes = _wishes(robot or (), drive or ())
-            _check_output(output)
-            kind = _picture_kind(output, shown)
-            write_whole(output, _drawn(mission, plan, kind, shown, title, wishes))
 
 
 # -------------------------------------------------------------------------------------------------- wishes
 
 
 @dataclass(frozen=True, slots=True)
-class _Wishes:
+class Wishes:
     """What was said of the robot and of how it is driven, checked to be keys that there are."""
 
     robot: Mapping[str, str]
@@ -185,8 +153,9 @@ class _Wishes:
         return text in ("true", "yes")
 
 
-def _wishes(robot: Sequence[str], drive: Sequence[str]) -> _Wishes:
-    return _Wishes(_pairs("--robot", robot, ROBOT_KEYS), _pairs("--drive", drive, DRIVE_KEYS))
+def wishes_of(robot: Sequence[str], drive: Sequence[str]) -> Wishes:
+    """What the options ``--robot`` and ``--drive`` say."""
+    return Wishes(_pairs("--robot", robot, ROBOT_KEYS), _pairs("--drive", drive, DRIVE_KEYS))
 
 
 def _pairs(option: str, texts: Sequence[str], known: Sequence[str]) -> Mapping[str, str]:
@@ -206,7 +175,7 @@ def _pairs(option: str, texts: Sequence[str], known: Sequence[str]) -> Mapping[s
 # ------------------------------------------------------------------------------------------------- driving
 
 
-def _planned(mission: Path, plan: Path | None) -> tuple[Mission, Plan]:
+def mission_and_plan(mission: Path, plan: Path | None) -> tuple[Mission, Plan]:
     """The mission, and the plan of the file or one that is found for it."""
     from mitlplan.check import check
     from mitlplan.errors import PlanFileError
@@ -231,7 +200,7 @@ def _planned(mission: Path, plan: Path | None) -> tuple[Mission, Plan]:
             raise typer.Exit(LIMIT)
 
 
-def _driven(mission: Mission, plan: Plan, wishes: _Wishes) -> tuple[Plan, Trajectory]:
+def trajectory_of(mission: Mission, plan: Plan, wishes: Wishes) -> tuple[Plan, Trajectory]:
     """The trajectory, and the plan that it follows, which is another one if it was retimed."""
     from mitlplan.trajectory import Driving, Profile, Style, Waiting, Weights, follow
 
@@ -247,7 +216,7 @@ def _driven(mission: Mission, plan: Plan, wishes: _Wishes) -> tuple[Plan, Trajec
         reverse=wishes.wanted("reverse"),
     )
     waiting = wishes.choice("waiting", Waiting) or Waiting.ENTRY
-    robot, heading = _robot(mission, wishes), wishes.heading()
+    robot, heading = robot_of(mission, wishes), wishes.heading()
     if heading is None and model is not None:
         heading = model.heading
     if wishes.wanted("retime", otherwise=mission.retime):
@@ -295,24 +264,13 @@ def _retimed(
     return found.plan
 
 
-def _robot(mission: Mission, wishes: _Wishes) -> Robot:
+def robot_of(mission: Mission, wishes: Wishes) -> Robot:
     """The mission's robot, with what was said of it here in the place of what the mission says."""
     from mitlplan.trajectory import Robot
 
     model = Robot() if mission.robot is None else mission.robot.robot
     said: dict[str, Any] = {name: wishes.exact(name) for name in wishes.robot if name != "heading"}
     return replace(model, **said)
-
-
-def _on_the_ground(mission: Mission, plan: Plan) -> tuple[Workspace, Plan]:
-    """The map as it was given, and the plan on it, without the headings that the mission's cells may have."""
-    model, world = mission.robot, mission.workspace
-    if model is None:
-        return world, plan
-    indices = [world.index_of(step.cell) for step in plan.steps]
-    names = [model.ground.names[model.cell_of[index]] for index in indices if index is not None]
-    steps = (replace(step, cell=name) for step, name in zip(plan.steps, names, strict=True))
-    return model.ground, replace(plan, steps=tuple(steps))
 
 
 # ------------------------------------------------------------------------------------------------- writing
@@ -357,35 +315,6 @@ def _write_trajectory(trajectory: Trajectory, plan: Plan, writing: _Writing, out
     except ValueError as error:
         raise OutputError(str(error)) from None
     deliver(text, output)
-
-
-def _picture_kind(output: Path, shown: Shown) -> str:
-    kind = output.suffix.removeprefix(".").lower()
-    if kind not in ("svg", "png", "pdf", "gif"):
-        raise OutputError(f"cannot draw {output}: its name ends in .svg, .png or .pdf, or in .gif to move")
-    if kind == "gif" and shown is not Shown.trajectory:
-        raise OutputError(f"cannot draw {output}: only a trajectory moves; leave --show away or draw a png")
-    return kind
-
-
-def _drawn(mission: Path, plan: Path | None, kind: Any, shown: Shown, title: str, wishes: _Wishes) -> bytes:
-    try:
-        from mitlplan.draw import animation, picture, rendered
-    except ImportError:
-        raise OutputError("pictures need the package matplotlib: pip install 'mitlplan[draw]'") from None
-    if shown is Shown.map:
-        world = read_mission(mission)
-        ground = world.workspace if world.robot is None else world.robot.ground
-        return rendered(picture(ground, title=title), kind)
-    found, planned = _planned(mission, plan)
-    if shown is Shown.plan:
-        return rendered(picture(*_on_the_ground(found, planned), title=title), kind)
-    planned, driven = _driven(found, planned, wishes)
-    ground, planned = _on_the_ground(found, planned)
-    if kind == "gif":
-        radius = float(_robot(found, wishes).radius)
-        return animation(ground, driven, radius=radius or None, title=title)
-    return rendered(picture(ground, planned, driven, title=title), kind)
 
 
 def _check_output(output: Path | None, *, bag: bool = False) -> None:
