@@ -15,7 +15,7 @@ compile = mkdir -p $(1) && { $(BIN)/cmake -S . -B $(1) -G Ninja -DCMAKE_MAKE_PRO
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help build demo test lint types imports unit sanitize sanitize-all fuzz fuzz-readers bench paper native clean
+.PHONY: help build demo test lint types imports unit sanitize sanitize-all fuzz fuzz-readers mutants bench paper native clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' Makefile
@@ -110,6 +110,13 @@ $(STAMPS)/fuzz: $(STAMPS)/dev pyproject.toml
 
 fuzz-readers: $(STAMPS)/fuzz ## every reader of files, guided by coverage, SECONDS each
 	@$(BIN)/mitlplan-fuzz --readers --seconds $(SECONDS)
+
+$(STAMPS)/mutants: $(STAMPS)/dev pyproject.toml
+	@$(PIP) install --group mutants
+	@touch $@
+
+mutants: $(STAMPS)/mutants ## faults put into logic, translation and search, and which of them no test notices (an hour)
+	@$(BIN)/python -m tests.mutants
 
 $(STAMPS)/bench: $(STAMPS)/build benchmarks/requirements.txt
 	$(call say,install the peers)

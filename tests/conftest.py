@@ -1,7 +1,8 @@
 """What all tests share: how many random cases, and that Ctrl-C is heard.
 
-The profile `test` draws the same cases every time, so a red run is red for everyone; `fuzz` draws new ones.
-Ctrl-C is heard even where the tests run in the background, whose shell has it ignored: some tests press it.
+The profile `test` draws the same cases every time, so a red run is red for everyone; `mutants` draws the
+first few of them, for tests that are run again and again (tests/mutants.py); `fuzz` draws new ones. Ctrl-C
+is heard even where the tests run in the background, whose shell has it ignored: some tests press it.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ settings.register_profile(
     database=None,
     suppress_health_check=[HealthCheck.too_slow],
 )
+settings.register_profile("mutants", settings.get_profile("test"), max_examples=15)
 settings.register_profile(
     "fuzz", max_examples=20_000, deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )

@@ -1,4 +1,4 @@
-"""What Hypothesis draws: intervals, formulas as written, formulas in normal form, signals.
+"""What Hypothesis draws, and how often: intervals, formulas as written, formulas in normal form, signals.
 
 Every strategy is small by default, since most properties show on small cases, and takes as arguments what a
 test wants to leave out: open ends, infinite ends, single instants.
@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from fractions import Fraction
 
+from hypothesis import settings
 from hypothesis import strategies as st
 
 from mitlplan.logic.core import FALSE, TRUE, Core, Literal, conjunction, disjunction, release, until
@@ -34,6 +35,11 @@ from mitlplan.logic.one_shot import repeated_instants
 from mitlplan.logic.signal import Segment, Signal
 
 ATOMS = ("A", "B")
+
+
+def as_many(factor: int) -> settings:
+    """So many times as many cases as the profile says, where a case takes little time."""
+    return settings(max_examples=factor * settings().max_examples)
 
 
 def times(longest: int = 4, denominator: int = 2) -> st.SearchStrategy[Fraction]:

@@ -10,7 +10,7 @@ from time import perf_counter
 from typing import Literal
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mitlplan.logic import formula as f
@@ -28,6 +28,7 @@ from tests.logic.signal_strategies import (
     looping_signals,
 )
 from tests.oracles.brute_truth import brute_truth
+from tests.strategies import as_many
 
 UntilKind = Literal["standard", "closed"]
 Horizon = Literal["infinite", "finite"]
@@ -36,15 +37,10 @@ untils: st.SearchStrategy[UntilKind] = st.sampled_from(("standard", "closed"))
 horizons: st.SearchStrategy[Horizon] = st.sampled_from(("infinite", "finite"))
 
 
-def many(cases: int) -> settings:
-    """At least so many cases, and all that a profile for fuzzing asks for."""
-    return settings(max_examples=max(cases, settings().max_examples))
-
-
 # --- against the definitions
 
 
-@many(1500)
+@as_many(15)
 @given(formulas(), looping_signals(), untils)
 def test_agrees_with_the_definitions_on_signals_that_repeat(
     formula: f.Formula, signal: Signal, until: UntilKind
@@ -54,7 +50,7 @@ def test_agrees_with_the_definitions_on_signals_that_repeat(
         assert (instant in judged) == expected, instant
 
 
-@many(1500)
+@as_many(15)
 @given(formulas(), ending_signals(), untils, horizons)
 def test_agrees_with_kleenes_definitions_on_signals_that_end(
     formula: f.Formula, signal: Signal, until: UntilKind, horizon: Horizon
@@ -67,7 +63,7 @@ def test_agrees_with_kleenes_definitions_on_signals_that_end(
         assert (instant in judged) == expected, instant
 
 
-@many(500)
+@as_many(5)
 @given(st.data(), formulas(), ending_signals(), untils)
 def test_what_holds_on_a_signal_that_ends_holds_whatever_follows(
     data: st.DataObject, formula: f.Formula, signal: Signal, until: UntilKind

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.protocols import csma_cd, fischer
@@ -45,6 +45,7 @@ from mitlplan.formats.uppaal_read import read_uppaal
 from mitlplan.search.reach import Reached, Unknown, Unreachable, reach
 from mitlplan.search.systems import tabulate_system
 from tests.oracles.published_reach import reach as slowly
+from tests.strategies import as_many
 
 CLOCKS = ("x", "y", "z")
 LATEST = Fraction(12)
@@ -137,7 +138,7 @@ def _name(automaton: Automaton) -> str:
     return automaton.name
 
 
-@settings(max_examples=400)
+@as_many(4)
 @given(questions())
 def test_least_times_with_closed_bounds(question: tuple[Network, Query]) -> None:
     network, query = question
@@ -152,7 +153,7 @@ def test_least_times_with_closed_bounds(question: tuple[Network, Query]) -> None
         assert expected is None
 
 
-@settings(max_examples=250)
+@as_many(3)
 @given(questions(relations=tuple(Relation)))
 def test_least_times_with_strict_bounds(question: tuple[Network, Query]) -> None:
     network, query = question
@@ -174,7 +175,7 @@ def test_least_times_with_strict_bounds(question: tuple[Network, Query]) -> None
         assert trace.attained or expected.time > trace.least
 
 
-@settings(max_examples=250)
+@as_many(3)
 @given(questions(relations=tuple(Relation), channels=("all",)))
 def test_who_can_hear_a_broadcast_does(question: tuple[Network, Query]) -> None:
     """A trace may have to wait until a guard of somebody who is not to hear it does not hold."""
@@ -227,7 +228,7 @@ def test_a_broadcast_waits_until_nobody_else_can_hear_it(
     assert (answer.trace.least, answer.trace.attained) == (least, attained)
 
 
-@settings(max_examples=250)
+@as_many(3)
 @given(questions(stops=True))
 def test_stopped_clocks_never_make_an_answer_wrong(question: tuple[Network, Query]) -> None:
     network, query = question
@@ -244,7 +245,6 @@ def test_stopped_clocks_never_make_an_answer_wrong(question: tuple[Network, Quer
             assert isinstance(answer, Unknown)
 
 
-@settings(max_examples=100)
 @given(questions(relations=tuple(Relation), stops=True))
 def test_a_model_that_is_written_and_read_has_the_same_answer(question: tuple[Network, Query]) -> None:
     network, query = question
@@ -258,7 +258,6 @@ def test_a_model_that_is_written_and_read_has_the_same_answer(question: tuple[Ne
         assert again.bound == first.bound
 
 
-@settings(max_examples=100)
 @given(questions())
 def test_any_trace_is_a_trace_and_not_before_the_fastest(question: tuple[Network, Query]) -> None:
     network, query = question
@@ -269,7 +268,6 @@ def test_any_trace_is_a_trace_and_not_before_the_fastest(question: tuple[Network
         assert some.trace.least >= fastest.trace.least
 
 
-@settings(max_examples=100)
 @given(questions(), st.integers(2, 5))
 def test_scaling_all_times_scales_the_answer(question: tuple[Network, Query], factor: int) -> None:
     network, query = question
@@ -335,7 +333,7 @@ NUMBERS = (-(2**63), -(2**31), -3, -2, -1, 0, 1, 2, 3, 7, 11, 12, 64, 2**31 - 1,
 REFUSALS = (ValueError, OverflowError, TypeError, IndexError, MemoryError)
 
 
-@settings(max_examples=400)
+@as_many(4)
 @given(questions(stops=True), st.booleans(), st.data())
 def test_damaged_tables_are_refused_or_searched(
     question: tuple[Network, Query], objective: bool, data: st.DataObject
