@@ -123,7 +123,7 @@ def mutants_of(room: Room, chance: random.Random) -> Iterator[Mutant]:
     for file, name, occurrence in places:
         text = file.read_text(encoding="utf-8")
         code = mutate_code(text, get_operator(name)(), occurrence)
-        if code is not None and _meaning(code) != _meaning(text):
+        if code is not None and _meaning(code) not in (None, _meaning(text)):
             yield Mutant(file, name.removeprefix("core/"), code)
 
 
@@ -152,11 +152,12 @@ class _Bare(ast.NodeTransformer):
         return ast.Pass() if documents else node
 
 
-def _meaning(code: str) -> str:
+def _meaning(code: str) -> str | None:
+    """What code does; ``None`` if it is no Python: a ``*`` in a signature is taken for a product."""
     try:
         return ast.dump(_Bare().visit(ast.parse(code)))
     except SyntaxError:
-        return "no Python"
+        return None
 
 
 # --- A forked process --------------------------------------------------------------------------------------
