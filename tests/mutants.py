@@ -82,7 +82,7 @@ ROOMS = {
             "tests/test_slack.py",
             "tests/search/test_reach.py",
         ),
-        ("tests/search", "tests/test_cases.py", "tests/test_tour.py"),
+        ("tests/search/test_limits.py", "tests/test_cases.py", "tests/test_tour.py"),
     ),
 }
 

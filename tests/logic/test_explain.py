@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
 from mitlplan.logic import formula as f
-from mitlplan.logic.explain import explain
+from mitlplan.logic.explain import _first_within, explain
+from mitlplan.logic.interval import Interval
+from mitlplan.logic.interval_set import Axis, IntervalSet
 from mitlplan.logic.parse import parse
 from mitlplan.logic.semantics import satisfies
 from mitlplan.logic.show import show
@@ -89,3 +94,30 @@ def test_says_that_a_formula_holds_exactly_if_it_does(formula: f.Formula, signal
     sentence = explain(formula, signal)
     assert (sentence == f"{show(formula)} holds.") == satisfies(formula, signal)
     assert sentence.endswith(".")
+
+
+AXIS = Axis(Fraction(1, 2), 3, 7)
+"""Half seconds; from 3/2 on everything repeats every 2 seconds."""
+
+
+@given(
+    st.sets(st.sampled_from(range(2 * AXIS.end + 1))),
+    st.fractions(0, 9, max_denominator=2),
+    st.booleans(),
+    st.none() | st.fractions(0, 5, max_denominator=2),
+)
+def test_the_first_piece_is_found_however_late_one_looks(
+    ends: set[int], start: Fraction, start_open: bool, length: Fraction | None
+) -> None:
+    """Everything happens again within two seconds, so four seconds of quarters show it."""
+    cuts = tuple(sorted(ends))[: len(ends) // 2 * 2]
+    times = IntervalSet(AXIS, cuts)
+    assume(length != 0 or not start_open)
+    window = Interval(start, None if length is None else start + length, start_open)
+    quarters = [start + Fraction(count, 4) for count in range(17 + 4 * AXIS.end)]
+    seen = [instant for instant in quarters if instant in times and instant in window]
+    found = _first_within(times, window)
+    assert (found is None) == (not seen)
+    if found is not None:
+        assert seen[0] in found
+        assert found.lower == seen[0] or (found.lower_open and found.lower == seen[0] - Fraction(1, 4))

@@ -64,6 +64,22 @@ def test_are_their_intervals(times: IntervalSet) -> None:
     assert IntervalSet.of(AXIS, listed) == times
 
 
+@pytest.mark.parametrize(
+    ("cuts", "text"),
+    [
+        ((), "never"),
+        ((0, 2), "[0,1/2)"),
+        ((1, 2, 4, 5), "(0,1/2) {1}"),
+        ((0, 14), "[0,inf)"),
+        ((5, 14), "(1,inf)"),
+        ((8, 10), "[2,5/2), and again every 2 from 3/2 on"),
+        ((9, 14), "(2,7/2), and again every 2 from 3/2 on"),
+    ],
+)
+def test_are_written_in_seconds(cuts: tuple[int, ...], text: str) -> None:
+    assert str(IntervalSet(AXIS, cuts)) == text
+
+
 @given(sets(), intervals())
 def test_eventually_looks_at_every_distance(times: IntervalSet, interval: Interval) -> None:
     expected = set()

@@ -472,3 +472,27 @@ def test_what_would_grow_exponentially_is_refused(text: str, until: Choice["stan
 def test_ten_thousand_requirements_are_no_trouble() -> None:
     core = normalize(parse(" & ".join(f"G !cell{index}" for index in range(10_000))))
     assert core == always(conjunction(*(Literal(f"cell{index}", positive=False) for index in range(10_000))))
+
+
+@pytest.mark.parametrize(
+    ("text", "until", "parts"),
+    [
+        ("(A <-> B) & (B <-> C)", "standard", 4),
+        # The inner one twice, with four copies of its sides: 1 + 3 + 3, and one more of C.
+        ("(A <-> B) <-> C", "standard", 8),
+        ("A W B", "standard", 2),
+        ("A W B", "closed", 3),
+        ("(A U B) U C", "standard", 0),
+        ("(A U B) U C", "closed", 5),
+        ("(A -> F[0,2] B) & G !C", "closed", 0),
+    ],
+)
+def test_growth_is_counted_part_by_part(
+    text: str, until: Choice["standard", "closed"], parts: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As much as is allowed is taken, and one part more is refused."""
+    monkeypatch.setattr("mitlplan.logic.normalize.MOST_COPIES", parts)
+    normalize(parse(text), until)
+    monkeypatch.setattr("mitlplan.logic.normalize.MOST_COPIES", parts - 1)
+    with pytest.raises(FormulaError, match=f"grows by more than {parts - 1} parts"):
+        normalize(parse(text), until)

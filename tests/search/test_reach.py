@@ -11,6 +11,7 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,7 @@ from mitlplan.automata.transducer import Constraint, Guard, Relation
 from mitlplan.formats.uppaal import write_uppaal
 from mitlplan.formats.uppaal_query import read_query
 from mitlplan.formats.uppaal_read import read_uppaal
+from mitlplan.search.fastest import Limits, Progress, Stopped
 from mitlplan.search.reach import Reached, Unknown, Unreachable, reach
 from mitlplan.search.systems import tabulate_system
 from tests.oracles.published_reach import reach as slowly
@@ -324,6 +326,59 @@ def test_what_protocols_prevent_and_when_the_usual_happens(protocol: Any) -> Non
     answer = reach(protocol.network, protocol.usual)
     assert isinstance(answer, Reached)
     assert (answer.trace.least, answer.trace.attained) == (protocol.least, protocol.attained)
+
+
+@pytest.mark.parametrize(
+    ("options", "above"),
+    [({}, Fraction(1, 1000)), ({"epsilon": Fraction(1, 4)}, Fraction(1, 4))],
+    ids=["a thousandth unless said", "a quarter"],
+)
+def test_how_near_an_infimum_is_come_to(options: dict[str, Fraction], above: Fraction) -> None:
+    late = (Constraint("x", Relation.GREATER, Fraction(3, 2)),)
+    walk = Automaton("walk", (Location("here"), Location("there")), (Edge(0, 1, guard=late),))
+    answer = reach(Network((walk,), clocks=("x",)), Query((Target({"walk": "there"}),)), **options)
+    assert isinstance(answer, Reached)
+    assert (answer.trace.least, answer.trace.attained) == (Fraction(3, 2), False)
+    assert answer.trace.end == Fraction(3, 2) + above
+
+
+# -- limits ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("megabytes", [1, 2, 3])
+def test_a_limit_of_memory_stops_the_search_once_it_is_used(megabytes: int) -> None:
+    """All the zones of seven processes take 3.8 MB, those of six 1.1 MB."""
+    larger, smaller = fischer(7), fischer(6)
+    stopped = reach(larger.network, larger.forbidden, Limits(megabytes=megabytes))
+    assert isinstance(stopped, Stopped)
+    assert stopped.reason == f"the memory limit of {megabytes} MB was reached after {stopped.states} states"
+    full = reach(larger.network, larger.forbidden, Limits(megabytes=4))
+    assert isinstance(full, Unreachable)
+    part = Fraction(stopped.states * full.effort.bytes, full.effort.stored)
+    assert megabytes / 2 < part / 1_000_000 < megabytes * 2
+    enough = reach(smaller.network, smaller.forbidden, Limits(megabytes=megabytes))
+    assert isinstance(enough, Unreachable) is (megabytes > 1)
+
+
+def test_a_limit_of_time_stops_the_search() -> None:
+    protocol = fischer(7)
+    stopped = reach(protocol.network, protocol.forbidden, Limits(seconds=0))
+    assert isinstance(stopped, Stopped)
+    assert stopped.reason == f"the time limit of 0 s was reached after {stopped.states} states"
+    assert isinstance(reach(protocol.network, protocol.forbidden, Limits(seconds=1_000)), Unreachable)
+
+
+def test_progress_is_told_between_slices(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With slices of no time at all it is told after every few states, limit of time or not."""
+    monkeypatch.setattr("mitlplan.search.reach.SLICE", 0.0)
+    protocol = fischer(5)
+    for seconds in (None, 1_000):
+        seen: list[Progress] = []
+        answer = reach(protocol.network, protocol.forbidden, Limits(seconds, progress=seen.append))
+        assert isinstance(answer, Unreachable)
+        assert len(seen) >= 5
+        assert seen[0].states < seen[-1].states
+        assert all(0 <= one.seconds <= after.seconds < 1_000 for one, after in pairwise(seen))
 
 
 # -- the border ----------------------------------------------------------------------------------------

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import random
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -20,7 +22,7 @@ from mitlplan.automata.transducer import (
 )
 from mitlplan.search.fastest import Exhausted, Found, Limits, fastest_run
 from mitlplan.search.schedule import schedule
-from mitlplan.search.tables import Tables, tabulate
+from mitlplan.search.tables import Tables, _pairs, tabulate
 from mitlplan.workspace.abstract import abstract
 from mitlplan.workspace.graph import Move, graph
 
@@ -170,6 +172,28 @@ def test_distances() -> None:
     assert timed.times == (0, Fraction(1, 2), Fraction(5, 6))
 
 
+def test_where_steps_without_a_move_are_useful() -> None:
+    """Never is -1 and always -2; where a target is sought, it is the number of the signal that shows it."""
+    locations = (
+        Location("calm", restless=Restless.NEVER),
+        Location("busy", restless=Restless.ALWAYS),
+        Location("seeking", target="at b", restless=Restless.WHEN_TARGET),
+        Location("seeking what nobody reads", target="at a", restless=Restless.WHEN_TARGET),
+        Location("seeking nothing", restless=Restless.WHEN_TARGET),
+    )
+    edges = tuple(
+        Edge(location.name, location.name, requires=frozenset((name,)))
+        for location in locations
+        for name in ("at b", "at first")
+    )
+    two_cells = network(Transducer("each of them", locations, edges, (), ()))
+    labels = {**two_cells.predicates, "at a": frozenset((0,)), "at first": frozenset((0,))}
+    arrays: Any = tabulate(replace(two_cells, predicates=labels)).arrays
+    first = arrays["component_start"][1]
+    # Signals are numbered in the order of their names, as far as somebody reads them.
+    assert arrays["location_restless"][first:].tolist() == [-1, -2, 0, -2, -2]
+
+
 def test_a_target_that_cannot_be_reached() -> None:
     seeker = Transducer(
         "to b",
@@ -194,6 +218,49 @@ def test_edges_that_wait_for_a_signal_that_nobody_sends_are_left_out() -> None:
     tables = tabulate(network(listener))
     first = tables.arrays["component_start"][1]
     assert np.diff(tables.arrays["move_start"][first:]).tolist() == [1]
+
+
+@pytest.mark.parametrize("rows", [1, 5, 8, 9, 10, 40], ids="{} rows".format)
+def test_pairs_are_numbered_in_order_whichever_way_is_quicker(rows: int) -> None:
+    """Few are sorted, and many are marked in a table of all that there can be: nine, here."""
+    stream = random.Random(rows)
+    first, second = ([stream.randrange(-1, 2) for _ in range(rows)] for _ in range(2))
+    pairs, which = _pairs(np.array(first, dtype=np.int32), np.array(second, dtype=np.int32), 2)
+    assert pairs == sorted({*zip(first, second, strict=True)})
+    assert [pairs[number] for number in which] == list(zip(first, second, strict=True))
+
+
+@pytest.mark.parametrize("count", [63, 64, 65, 129])
+def test_signals_fill_words_of_64(count: int) -> None:
+    """The last of many signals is heard as well as the first: many transducers wait for one each."""
+    names = [f"signal {number:03}" for number in range(count)]
+    speaker = Transducer(
+        "speaker", (Location("here"),), (Edge("here", "here", emits=frozenset(names)),), (), ()
+    )
+    listeners = tuple(
+        Transducer(
+            f"hears {name}",
+            (Location("deaf"), Location("told")),
+            (
+                Edge("deaf", "told", requires=frozenset((name,))),
+                Edge("deaf", "deaf", excludes=frozenset((name,))),
+                Edge("told", "told"),
+            ),
+            (),
+            (),
+        )
+        for name in names
+    )
+    tables = tabulate(network(speaker, *listeners))
+    words = -(-count // 64)
+    assert tables.arrays["words"] == words
+    said = int(tables.arrays["move_emits"][tables.arrays["move_start"][tables.arrays["component_start"][1]]])
+    masks = tables.arrays["signals"].reshape(-1, words)
+    assert sum(int(mask).bit_count() for mask in masks[said]) == count
+    heard = {int(row) for row in tables.arrays["move_reads"]} - {0}
+    assert sorted(sum(int(word) << (64 * k) for k, word in enumerate(masks[row])) for row in heard) == [
+        1 << number for number in range(count)
+    ]
 
 
 @pytest.mark.parametrize(

@@ -123,7 +123,7 @@ def _first_within(times: IntervalSet, window: Interval) -> Interval | None:
 
 
 def _from(times: IntervalSet, start: Fraction) -> Iterator[Interval]:
-    """The pieces of `times` in order, from the repetition in which `start` lies until all have come again."""
+    """The pieces of `times` in order, from the repetition in which `start` lies to the end of the next."""
     repeat_from = times.axis.repeat_from * times.axis.tick
     period = times.axis.end * times.axis.tick - repeat_from
     pieces = list(times.intervals())
@@ -131,7 +131,7 @@ def _from(times: IntervalSet, start: Fraction) -> Iterator[Interval]:
     if passed == 0:
         yield from pieces
     loop = Interval(repeat_from, repeat_from + period, upper_open=True)
-    for rounds in (passed, passed + 1, passed + 2):
+    for rounds in (passed, passed + 1):
         for piece in pieces:
             part = _common(piece, loop)
             if part is not None and part.upper is not None and rounds > 0:

@@ -335,16 +335,13 @@ def _clipped(cuts: Cuts, low: int, high: int) -> Cuts:
 def _joined(spans: Iterable[tuple[int, int]]) -> Cuts:
     """The union of `spans`, the empty ones dropped, as cuts."""
     cuts: list[int] = []
-    reached = -1
     for low, high in sorted(spans):
         if high <= low:
             continue
-        if cuts and low <= reached:
-            if high > reached:
-                cuts[-1] = reached = high
+        if cuts and low <= cuts[-1]:
+            cuts[-1] = max(cuts[-1], high)
         else:
             cuts += (low, high)
-            reached = high
     return tuple(cuts)
 
 

@@ -199,7 +199,7 @@ def timetable(tables: Tables, lasso: Lasso, epsilon: Fraction) -> Timetable | No
 
 def _folded(step: int, first: int, length: int) -> tuple[int, int]:
     """A step of the unrolled path as one of the prefix or the first round, and by how many periods later."""
-    if step < first + length:
+    if step < first:
         return step, 0
     rounds, place = divmod(step - first, length)
     return first + place, rounds

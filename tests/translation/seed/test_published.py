@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 
 import pytest
 
@@ -12,7 +13,7 @@ from mitlplan.errors import TranslationError
 from mitlplan.logic.parse import parse
 from mitlplan.translation.seed.published import published_automaton
 from mitlplan.translation.seed.published_network import published_model
-from mitlplan.translation.seed.published_transducers import Flavour
+from mitlplan.translation.seed.published_transducers import Flavour, generator, timed_eventually
 from tests.translation.seed.paper import PHI, ring, square
 
 
@@ -72,6 +73,19 @@ def test_the_locations_of_phi1_are_numbered_as_in_the_published_model() -> None:
     assert {("loc0", "loc2"), ("loc2", "loc7"), ("loc7", "loc6_b"), ("loc6_b", "final")} <= joined
 
 
+@pytest.mark.parametrize("chart", [ring(), square(4)], ids=["2x2", "4x4"])
+@pytest.mark.parametrize("name", PHI)
+def test_every_copy_of_the_map_has_a_cell_once(name: str, chart: MapAutomaton) -> None:
+    """What is in no cell is on no copy."""
+    model = published_model(PHI[name], chart)
+    places = list(zip(model.layers, model.cells, strict=True))
+    on_the_map = [place for place in places if place[1] is not None]
+    assert len(set(on_the_map)) == len(on_the_map)
+    copies = {layer for layer, _ in on_the_map}
+    assert copies == set(range(len(copies)))
+    assert {layer for layer, cell in places if cell is None} <= {len(copies)}
+
+
 def _constants(automaton: Iota) -> set[tuple[str, Constraint]]:
     return {
         (location.name.split(" x ")[-1], constraint)
@@ -103,6 +117,23 @@ def test_the_program_differs_from_the_paper_in_three_details() -> None:
         str(bound) for edge in paper.main.edges for bound in edge.guard
     }
     assert lower == {"z[2]>=2", "z[4]>=2"}
+
+
+def test_the_generator_resets_the_clock_of_each_edge_of_its_guess() -> None:
+    """Fig. 5: x_1 or y_1 where the guess begins, then y_1, x_2, y_2, and round to x_1."""
+    operator = timed_eventually(Fraction(2), Fraction(4), iter(["x1", "y1", "x2", "y2", "x3", "y3", "z"]))
+    iota = generator(operator, Flavour.PAPER)
+    names = [location.name for location in iota.locations]
+    assert {(names[edge.source], names[edge.target], *edge.resets) for edge in iota.edges} == {
+        ("Gen0", "Gen_1", "x1"),
+        ("Gen0", "Gen_2", "y1"),
+        ("Gen_1", "Gen_2", "y1"),
+        ("Gen_2", "Gen_3", "x2"),
+        ("Gen_3", "Gen_4", "y2"),
+        ("Gen_4", "Gen_5", "x3"),
+        ("Gen_5", "Gen_6", "y3"),
+        ("Gen_6", "Gen_1", "x1"),
+    }
 
 
 def test_one_edge_waits_for_the_rise_and_one_for_the_fall() -> None:
