@@ -16,7 +16,7 @@ import pytest
 
 from mitlplan.logic.parse import parse
 from mitlplan.logic.semantics import satisfies
-from tests.translation.compact.forced import (
+from tests.translation.forced import (
     Forced,
     Horizon,
     TooManyStatesError,
@@ -124,6 +124,19 @@ def test_single_operators(kind: str) -> None:
             comparison.ask(text, random_forced(stream), *options(stream))
     assert not comparison.faults, str(comparison)
     assert not comparison.skipped
+
+
+@pytest.mark.parametrize("kind", ["U", "R"])
+def test_late_operators_again_and_again(kind: str) -> None:
+    """Asked at every time, what begins half a second later is said by operators that begin at once."""
+    stream = random.Random(f"late {kind}")
+    comparison = Comparison()
+    for interval in ("_[1/2,1]", "_(1/2,3/2]", "_(1,3/2)", "_[1/2,inf)", "_(1/2,inf)", "_(3/2,inf)"):
+        for _ in range(15):
+            text = f"G ({literal(stream)} | ({operator(kind, interval, literal(stream), literal(stream))}))"
+            comparison.ask(text, random_forced(stream), *options(stream))
+    assert not comparison.faults, str(comparison)
+    assert comparison.skipped <= comparison.asked // 5
 
 
 @pytest.mark.parametrize("part", range(4))

@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from mitlplan.automata.transducer import NEVER, Network
-from mitlplan.compose import compose
+from mitlplan.compose import Construction, compose
 from mitlplan.logic.core import Core
 from mitlplan.logic.formula import Formula
 from mitlplan.logic.normalize import normalize
@@ -93,10 +93,16 @@ def random_forced(stream: random.Random) -> Forced:
     return Forced(stays, stream.randrange(len(stays) - 1))
 
 
-def wrong_for_ever(formula: Formula, robot: Forced, until: UntilKind = "standard") -> str | None:
+def wrong_for_ever(
+    formula: Formula,
+    robot: Forced,
+    until: UntilKind = "standard",
+    *,
+    construction: Construction = "compact",
+) -> str | None:
     """Whether the network has an infinite run exactly if the judge accepts the infinite signal."""
     core = normalize(formula, until, horizon="infinite")
-    network = compose(robot.workspace(), (0,), core)
+    network = compose(robot.workspace(), (0,), core, construction=construction)
     found = lassos(tabulate(network, objective=False), Limits(megabytes=MEMORY).begin())
     if isinstance(found, Stopped):
         raise TooManyStatesError
@@ -104,11 +110,18 @@ def wrong_for_ever(formula: Formula, robot: Forced, until: UntilKind = "standard
     return None if engine == judge else f"for ever: the engine says {engine}, the judge {judge}"
 
 
-def wrong_parked(formula: Formula, robot: Forced, until: UntilKind = "standard") -> str | None:
+def wrong_parked(
+    formula: Formula,
+    robot: Forced,
+    until: UntilKind = "standard",
+    *,
+    construction: Construction = "compact",
+) -> str | None:
     """Whether the robot may stay in its last cell exactly if the judge lets it."""
     core = normalize(formula, until, horizon="infinite")
     last = len(robot.stays) - 1
-    tables = tabulate(_with_rest(compose(robot.workspace(comes_back=False), (0,), core), last))
+    network = compose(robot.workspace(comes_back=False), (0,), core, construction=construction)
+    tables = tabulate(_with_rest(network, last))
     arrays: dict[str, Any] = dict(tables.arrays)
     arrays["parkable"] = (np.arange(len(arrays["parkable"])) == last).astype(np.uint8)
     result = _fastest(Tables(arrays, tables.scale, tables.acceptance, tables.cells), endings=False)
@@ -123,7 +136,12 @@ def _with_rest(network: Network, cell: int) -> Network:
 
 
 def wrong_end(
-    formula: Formula, robot: Forced, until: UntilKind = "standard", horizon: Horizon = "infinite"
+    formula: Formula,
+    robot: Forced,
+    until: UntilKind = "standard",
+    horizon: Horizon = "infinite",
+    *,
+    construction: Construction = "compact",
 ) -> str | None:
     """Whether the first end the engine finds is the first after which the judge knows that the formula holds.
 
@@ -134,7 +152,8 @@ def wrong_end(
         return satisfies(formula, robot.up_to(end), until=until, horizon=horizon)
 
     core: Core = normalize(formula, until, horizon=horizon)
-    found = _fastest(tabulate(compose(robot.workspace(), (0,), core, horizon=horizon)), parkings=False)
+    network = compose(robot.workspace(), (0,), core, horizon=horizon, construction=construction)
+    found = _fastest(tabulate(network), parkings=False)
     ends = (k * FINEST / 2 for k in range(4 * FARTHEST + 1))
     first = next((end for end in ends if known(end)), None)
     if found is None:
