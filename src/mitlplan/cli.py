@@ -1,8 +1,9 @@
 """The command line: read arguments, call one function, print its answer.
 
 Results go to stdout and everything else to stderr; the exit code says which kind of answer it was: 0 a plan
-(or yes), 1 a proof that there is none (or no), 2 bad input, 3 a limit stopped the search, 130 interrupted,
-and 70 an error of ours. Heavy libraries are imported by the commands that need them: help comes at once.
+(or yes), 1 a proof that there is none (or no), 2 bad input, 3 a limit stopped it, 130 interrupted, 143
+terminated, and 70 an error of ours. Heavy libraries are imported by the commands that need them: help comes
+at once.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import signal
 import sys
 import time
 import traceback
@@ -23,11 +25,11 @@ from typing import TYPE_CHECKING, Annotated, TextIO
 
 import typer
 
-from mitlplan import cli_models, cli_reach, cli_trajectory
+from mitlplan import cli_models, cli_reach, cli_signals, cli_trajectory
+from mitlplan.cli_limits import began, held_to, room
 from mitlplan.cli_options import (
     BAD_INPUT,
     FOUND,
-    INTERRUPTED,
     LIMIT,
     NONE,
     OUR_ERROR,
@@ -177,18 +179,22 @@ def plan_command(
     """Find the fastest plan for a mission, or prove that there is none."""
     with _errors_reported():
         from mitlplan.formats.output import check_writable
+        from mitlplan.plan import LimitReached
         from mitlplan.search.fastest import Limits
 
         if output is not None:
             check_writable(output)
-        begin = time.perf_counter()
-        read = _read(mission, until, horizon, epsilon)
-        reading = time.perf_counter() - begin
         search = _search(engine, construction)
         with progress_shown() as progress:
-            limits = Limits(time_limit, memory_limit, progress)
-            outcome = search(read, limits)
-        outcome = _with_reading(outcome, reading)
+            limits = Limits(time_limit, memory_limit, progress, began())
+
+            def work() -> Outcome:
+                begin = time.perf_counter()
+                read = _read(mission, until, horizon, epsilon)
+                reading = time.perf_counter() - begin
+                return _with_reading(search(read, limits), reading)
+
+            outcome = held_to(limits, work, LimitReached)
         _deliver(_written(outcome, form, to_terminal=output is None), output)
         code = _code(outcome)
     raise typer.Exit(code)
@@ -325,6 +331,7 @@ def _search(engine: EngineChoice, construction: Construction) -> Callable[[Missi
                 time_limit=limits.seconds,
                 memory_limit=limits.megabytes,
                 progress=limits.progress,
+                since=limits.started,
             )
         case EngineChoice.reach:
             from mitlplan.search.reach import reach
@@ -412,12 +419,22 @@ def _decide(
     from mitlplan.logic.parse import parse
     from mitlplan.plan import LimitReached
     from mitlplan.planner import Satisfiable
+    from mitlplan.search.fastest import Limits
 
-    formulas = [parse(text) for text in texts]
     with progress_shown() as progress:
-        answer = question(
-            *formulas, until=until.value, time_limit=time_limit, memory_limit=memory_limit, progress=progress
-        )
+        limits = Limits(time_limit, memory_limit, progress, began())
+
+        def work() -> Answer:
+            return question(
+                *(parse(text) for text in texts),
+                until=until.value,
+                time_limit=time_limit,
+                memory_limit=memory_limit,
+                progress=progress,
+                since=limits.started,
+            )
+
+        answer = held_to(limits, work, LimitReached)
     witness, reason = None, ""
     match answer:
         case Satisfiable(signal=signal):
@@ -463,7 +480,8 @@ def _say(message: str) -> None:
 def _errors_reported() -> Iterator[None]:
     """Turn whatever goes wrong into a sentence and the exit code that belongs to it."""
     try:
-        yield
+        with cli_signals.raised(), room(None):
+            yield
     except (typer.Exit, typer.BadParameter):
         raise  # has its code and its sentence already
     except MitlplanError as error:
@@ -475,9 +493,10 @@ def _errors_reported() -> Iterator[None]:
     except MemoryError:
         _say("mitlplan: out of memory; nothing is known (--memory-limit stops the search earlier)")
         raise typer.Exit(LIMIT) from None
-    except KeyboardInterrupt:
-        _say("mitlplan: interrupted")
-        raise typer.Exit(INTERRUPTED) from None
+    except KeyboardInterrupt as stopped:
+        number = signal.SIGTERM if isinstance(stopped, cli_signals.Terminated) else signal.SIGINT
+        _say(cli_signals.sentence(number))
+        raise typer.Exit(cli_signals.code(number)) from None
     except Exception:  # noqa: BLE001  # an error of ours must not leave with the code that means "infeasible"
         _say(f"{traceback.format_exc()}mitlplan: this is an error in mitlplan; please report it")
         raise typer.Exit(OUR_ERROR) from None

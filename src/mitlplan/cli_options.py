@@ -12,7 +12,7 @@ import typer
 if TYPE_CHECKING:
     from mitlplan.search.fastest import Progress
 
-FOUND, NONE, BAD_INPUT, LIMIT, OUR_ERROR, INTERRUPTED = 0, 1, 2, 3, 70, 130
+FOUND, NONE, BAD_INPUT, LIMIT, OUR_ERROR = 0, 1, 2, 3, 70
 
 Reported = Callable[[], AbstractContextManager[None]]
 """Turns whatever goes wrong into a sentence and the exit code that belongs to it."""
@@ -29,10 +29,10 @@ Output = Annotated[
 ]
 TimeLimit = Annotated[
     float | None,
-    typer.Option(metavar="SECONDS", callback=_finite_option, help="Stop the search after so long."),
+    typer.Option(metavar="SECONDS", callback=_finite_option, help="Stop so long after the start."),
 ]
 MemoryLimit = Annotated[
-    int | None, typer.Option(metavar="MB", min=1, help="Stop the search when it holds so much.")
+    int | None, typer.Option(metavar="MB", min=1, help="Stop when the work holds so much.")
 ]
 
 
