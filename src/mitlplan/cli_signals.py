@@ -32,8 +32,16 @@ _SENTENCES = {
 }
 
 
-class Terminated(KeyboardInterrupt):  # no error, and to everyone below the same as Ctrl-C
-    """SIGTERM."""
+class Signalled(KeyboardInterrupt):
+    """A signal has come, Ctrl-C or another; to everyone who clears away they are the same.
+
+    A class of its own for Ctrl-C, too: when KeyboardInterrupt itself leaves code that runs by `exec`, as that
+    of dataclasses does, Python ends with a signal later on, whoever has caught it meanwhile.
+    """
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        super().__init__(sentence(number))
 
 
 def sentence(number: int) -> str:
@@ -68,12 +76,12 @@ def _raise(number: int, _frame: FrameType | None) -> None:
     for each in _SENTENCES:
         # One is enough: a second must not disturb what the first has set off.
         signal.signal(each, signal.SIG_IGN)
-    raise Terminated if number == signal.SIGTERM else KeyboardInterrupt
+    raise Signalled(number)
 
 
 @contextmanager
 def raised() -> Iterator[None]:
-    """Within, signals become KeyboardInterrupt and :class:`Terminated`."""
+    """Within, signals become :class:`Signalled`."""
     heard = [number for number in _SENTENCES if signal.getsignal(number) is _end]
     if not heard:
         yield
