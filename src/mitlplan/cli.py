@@ -494,7 +494,9 @@ def _errors_reported() -> Iterator[None]:
         _say("mitlplan: out of memory; nothing is known (--memory-limit stops the search earlier)")
         raise typer.Exit(LIMIT) from None
     except KeyboardInterrupt as stopped:
-        number = stopped.number if isinstance(stopped, cli_signals.Signalled) else signal.SIGINT
+        if isinstance(stopped, cli_signals.Signalled):
+            cli_signals.end(stopped.number)
+        number = signal.SIGINT
         _say(cli_signals.sentence(number))
         raise typer.Exit(cli_signals.code(number)) from None
     except Exception:  # noqa: BLE001  # an error of ours must not leave with the code that means "infeasible"

@@ -100,7 +100,8 @@ def _alarm(limits: Limits) -> Iterator[None]:
     finally:
         signal.signal(signal.SIGALRM, signal.SIG_IGN)
         signal.setitimer(signal.ITIMER_REAL, 0)
-        word.answered()
+    # Who has an answer may take the time to write it. That there is none, the last word may say as well.
+    word.answered()
 
 
 def _ring(_number: int, _frame: FrameType | None) -> None:

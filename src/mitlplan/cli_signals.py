@@ -58,7 +58,7 @@ def listen() -> None:
     """Hear signals from now on; those that whoever started the program has turned off stay so."""
     for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGTERM, signal.SIG_DFL)):
         if signal.getsignal(number) == usual:
-            signal.signal(number, _end)
+            signal.signal(number, end)
     sys.unraisablehook = _only_errors
 
 
@@ -67,7 +67,8 @@ def listens() -> bool:
     return sys.unraisablehook is _only_errors
 
 
-def _end(number: int, _frame: FrameType | None) -> None:
+def end(number: int, _frame: FrameType | None = None) -> None:
+    """Say what has happened and end here, without the time that Python takes to put everything away."""
     os.write(2, f"{sentence(number)}\n".encode())
     os._exit(code(number))
 
@@ -82,7 +83,7 @@ def _raise(number: int, _frame: FrameType | None) -> None:
 @contextmanager
 def raised() -> Iterator[None]:
     """Within, signals become :class:`Signalled`."""
-    heard = [number for number in _SENTENCES if signal.getsignal(number) is _end]
+    heard = [number for number in _SENTENCES if signal.getsignal(number) is end]
     if not heard:
         yield
         return
@@ -93,7 +94,7 @@ def raised() -> Iterator[None]:
         yield
     finally:
         for number in heard:
-            signal.signal(number, _end)
+            signal.signal(number, end)
 
 
 def last_word(more: Sequence[tuple[int, float, int, str]] = ()) -> LastWord:
