@@ -38,7 +38,7 @@ from mitlplan.cli_options import (
     TimeLimit,
     progress_shown,
 )
-from mitlplan.errors import MitlplanError
+from mitlplan.errors import MitlplanError, OutputError
 
 if TYPE_CHECKING:
     from mitlplan.engine import Engine
@@ -469,6 +469,8 @@ def _print(text: str) -> None:
     except BrokenPipeError:
         # Whoever read has seen enough. What is still buffered must go somewhere when Python ends.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        raise OutputError(f"cannot write the answer: {error.strerror}") from None
 
 
 def _say(message: str) -> None:
