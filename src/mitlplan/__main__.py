@@ -1,8 +1,8 @@
 """The command line, for the program `mitlplan` and for ``python -m mitlplan``.
 
-Signals come first: the libraries of the command line take a while to load, and Ctrl-C has its answer then. When
-all is said the process ends, without the fifth of a second that Python takes to put every library away, in
-which a limit would pass and an interrupt would look like a crash.
+Signals come first: the libraries of the command line take a while to load, and Ctrl-C has its answer then.
+When all is said the process ends, without the fifth of a second that Python takes to put every library away,
+in which a limit would pass and an interrupt would look like a crash.
 """
 
 import atexit
