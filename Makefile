@@ -124,7 +124,7 @@ FIGURES = fig1 fig2 fig4 fig5 fig6 fig7 fig8 fig9
 paper: $(STAMPS)/dev ## the paper's figures and Table I, and the faults of its construction, in docs (minutes)
 	$(call say,figures)
 	@for figure in $(FIGURES); do \
-	  $(BIN)/mitlplan automaton --figure $$figure --output docs/figures/$$figure.svg || exit 1; \
+	  $(BIN)/mitlplan draw --figure $$figure --output docs/figures/$$figure.svg || exit 1; \
 	done
 	$(call say,tables)
 	@$(BIN)/python -m benchmarks.paper_table

@@ -457,14 +457,14 @@ def test_models_and_trajectories_are_commands_too() -> None:
     assert run("translate", PHI1, "--to", "tchecker").stdout.count("process:") >= 1
     assert run("trajectory", PHI1).exit_code == 2  # a graph has no geometry
     help_text = run("--help").stdout
-    for command in ("plan", "check", "satisfiable", "translate", "automaton", "trajectory", "draw"):
+    for command in ("plan", "check", "satisfiable", "translate", "trajectory", "draw"):
         assert f"\n  {command} " in help_text
 
 
 def test_their_codes_are_kept() -> None:
     infeasible = run("trajectory", EXAMPLES / "warehouse-infeasible.yaml")
     assert (infeasible.exit_code, infeasible.stdout) == (1, "")
-    neither = run("automaton")
+    neither = run("draw")
     assert neither.exit_code == 2
     assert "name a mission or a figure, and not both" in neither.stderr
     assert "error in mitlplan" not in infeasible.stderr + neither.stderr

@@ -1,4 +1,4 @@
-"""The commands that write models and draw automata."""
+"""The command that writes models."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-import typer
 from typer.testing import CliRunner, Result
 
-from mitlplan.cli_models import register
+from mitlplan.cli import app
 from mitlplan.formats.uppaal_query import read_query
 from mitlplan.formats.uppaal_read import read_uppaal
 from tests.formats.tck import read_tck
@@ -33,8 +32,6 @@ def mission(tmp_path: Path) -> Path:
 
 
 def run(*arguments: object) -> Result:
-    app = typer.Typer(pretty_exceptions_enable=False, rich_markup_mode=None)
-    register(app)
     return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
@@ -120,31 +117,3 @@ def test_a_warning_goes_to_stderr(tmp_path: Path) -> None:
     result = run("translate", file, "--until", "closed")
     assert "warning" in result.stderr
     assert "warning" not in result.stdout
-
-
-@pytest.mark.parametrize("suffix", ["svg", "dot"])
-def test_automata_are_drawn(suffix: str, mission: Path, tmp_path: Path) -> None:
-    pytest.importorskip("pygraphviz")
-    output = tmp_path / f"automaton.{suffix}"
-    assert run("automaton", mission, "-o", output).exit_code == 0
-    assert "loc6_b" in output.read_text()
-    assert run("automaton", "--figure", "fig4", "-o", output).exit_code == 0
-    assert "p!q" in output.read_text()
-    part = ("--construction", "seed", "--part", "watch0")
-    assert run("automaton", mission, *part, "-o", output).exit_code == 0
-    assert "done" in output.read_text()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ((), "name a mission or a figure, and not both"),
-        (("--figure", "fig3"), "there is no figure fig3; there are fig1, fig2, fig4"),
-        (("MISSION", "--part", "sys9"), "there is no automaton sys9; there are sys"),
-        (("--figure", "fig1", "-o", "fig1.png"), "an automaton is drawn as .svg or .dot"),
-    ],
-)
-def test_what_cannot_be_drawn(arguments: tuple[str, ...], message: str, mission: Path) -> None:
-    result = run("automaton", *(mission if each == "MISSION" else each for each in arguments))
-    assert result.exit_code == 2
-    assert message in result.output

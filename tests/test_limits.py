@@ -68,11 +68,11 @@ def started(*arguments: str | Path) -> subprocess.Popen[str]:
 def program(body: str) -> subprocess.Popen[str]:
     """A program that listens to signals, says "begun", and does what is given within a command."""
     script = (
-        "from mitlplan import cli, cli_signals\n"
+        "from mitlplan import cli, cli_answers, cli_signals\n"
         "cli_signals.listen()\n"
         "@cli.app.command('busy')\n"
         "def busy():\n"
-        "    with cli._errors_reported():\n"
+        "    with cli_answers.errors_reported():\n"
         "        print('begun', flush=True)\n"
         f"{textwrap.indent(textwrap.dedent(body), ' ' * 8)}\n"
         "cli.app(['busy'])\n"

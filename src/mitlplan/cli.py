@@ -11,34 +11,32 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import signal
 import sys
 import time
-import traceback
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
-from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TextIO
 
 import typer
 
-from mitlplan import cli_models, cli_reach, cli_signals, cli_trajectory
-from mitlplan.cli_limits import began, held_to, room
+from mitlplan import cli_draw, cli_models, cli_reach, cli_trajectory
+from mitlplan.cli_answers import FOUND, NONE, deliver, errors_reported, progress_shown, say, write_out
+from mitlplan.cli_limits import LIMIT, began, held_to
 from mitlplan.cli_options import (
-    BAD_INPUT,
-    FOUND,
-    LIMIT,
-    NONE,
-    OUR_ERROR,
+    Construction,
+    ConstructionOption,
+    Horizon,
     MemoryLimit,
+    MissionFile,
     Output,
     TimeLimit,
-    progress_shown,
+    Until,
+    UntilChoice,
+    positive_option,
+    read_mission,
 )
-from mitlplan.errors import MitlplanError, OutputError
 
 if TYPE_CHECKING:
     from mitlplan.engine import Engine
@@ -74,28 +72,6 @@ class WitnessForm(str, Enum):
     json = "json"
 
 
-class UntilChoice(str, Enum):
-    """What until means."""
-
-    standard = "standard"
-    closed = "closed"
-
-
-class HorizonChoice(str, Enum):
-    """When the mission ends."""
-
-    infinite = "infinite"
-    finite = "finite"
-
-
-class Construction(str, Enum):
-    """How formulas become automata."""
-
-    compact = "compact"
-    seed = "seed"
-    published = "published"
-
-
 class EngineChoice(str, Enum):
     """What searches."""
 
@@ -104,22 +80,6 @@ class EngineChoice(str, Enum):
     uppaal = "uppaal"
 
 
-def _exact_option(text: str | None) -> str | None:
-    from mitlplan.exact import exact
-
-    if text is None:
-        return None
-    try:
-        if exact(text) == 0:
-            raise typer.BadParameter("a positive number is expected, such as 1/1000")
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from None
-    return text
-
-
-MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")]
-Until = Annotated[UntilChoice | None, typer.Option(help="Instead of the mission's own.")]
-Horizon = Annotated[HorizonChoice | None, typer.Option(help="Instead of the mission's own.")]
 WitnessFormOption = Annotated[WitnessForm, typer.Option("--format", help="How the answer is written.")]
 FormulaText = Annotated[str, typer.Argument(metavar="FORMULA", help="A formula, in quotes.")]
 
@@ -133,7 +93,7 @@ def _version(wanted: bool) -> None:
     if wanted:
         from mitlplan import __version__
 
-        _print(f"mitlplan {__version__}\n")
+        write_out(f"mitlplan {__version__}\n")
         raise typer.Exit(FOUND)
 
 
@@ -154,9 +114,7 @@ def plan_command(
     mission: MissionFile,
     form: Annotated[Form, typer.Option("--format", help="How the answer is written.")] = Form.text,
     output: Output = None,
-    construction: Annotated[
-        Construction, typer.Option(help="How formulas become automata.")
-    ] = Construction.compact,
+    construction: ConstructionOption = Construction.compact,
     engine: Annotated[
         EngineChoice,
         typer.Option(
@@ -169,7 +127,7 @@ def plan_command(
         str | None,
         typer.Option(
             metavar="SECONDS",
-            callback=_exact_option,
+            callback=positive_option,
             help="How near to come to a makespan that none attains.",
         ),
     ] = None,
@@ -177,7 +135,7 @@ def plan_command(
     memory_limit: MemoryLimit = None,
 ) -> None:
     """Find the fastest plan for a mission, or prove that there is none."""
-    with _errors_reported():
+    with errors_reported():
         from mitlplan.formats.output import check_writable
         from mitlplan.plan import LimitReached
         from mitlplan.search.fastest import Limits
@@ -190,12 +148,12 @@ def plan_command(
 
             def work() -> Outcome:
                 begin = time.perf_counter()
-                read = _read(mission, until, horizon, epsilon)
+                read = read_mission(mission, until, horizon, epsilon)
                 reading = time.perf_counter() - begin
                 return _with_reading(search(read, limits), reading)
 
             outcome = held_to(limits, work, LimitReached)
-        _deliver(_written(outcome, form, to_terminal=output is None), output)
+        deliver(_written(outcome, form, to_terminal=output is None), output)
         code = _code(outcome)
     raise typer.Exit(code)
 
@@ -210,28 +168,28 @@ def check_command(
     horizon: Horizon = None,
 ) -> None:
     """Check a plan by the independent judge: can the robot go so, and is the mission then satisfied?"""
-    with _errors_reported():
+    with errors_reported():
         from mitlplan.check import check
         from mitlplan.errors import PlanFileError
         from mitlplan.formats.plan_json import read_plan
         from mitlplan.plan import Plan
 
-        read = _read(mission, until, horizon)
+        read = read_mission(mission, until, horizon)
         outcome = read_plan(plan)
         if not isinstance(outcome, Plan):
             raise PlanFileError(f"{plan}: there is no plan in it to check: {outcome.reason}")
         fault = check(read, outcome)
-        _print("satisfied\n" if fault is None else f"violated: {fault}\n")
+        write_out("satisfied\n" if fault is None else f"violated: {fault}\n")
     raise typer.Exit(FOUND if fault is None else NONE)
 
 
 @app.command("schema")
 def schema_command(output: Output = None) -> None:
     """Print the JSON Schema of mission files, for editors."""
-    with _errors_reported():
+    with errors_reported():
         from mitlplan.mission import schema
 
-        _deliver(json.dumps(schema(), indent=2) + "\n", output)
+        deliver(json.dumps(schema(), indent=2) + "\n", output)
 
 
 @app.command("satisfiable")
@@ -243,7 +201,7 @@ def satisfiable_command(
     memory_limit: MemoryLimit = None,
 ) -> None:
     """Is there any signal that satisfies a formula? Print one, or prove that there is none."""
-    with _errors_reported():
+    with errors_reported():
         from mitlplan.planner import satisfiable
 
         words = _Words(witness="satisfiable", none="unsatisfiable", witness_code=FOUND, none_code=NONE)
@@ -260,7 +218,7 @@ def valid_command(
     memory_limit: MemoryLimit = None,
 ) -> None:
     """Does every signal satisfy a formula? Prove it, or print a signal that does not."""
-    with _errors_reported():
+    with errors_reported():
         from mitlplan.planner import valid
 
         words = _Words(witness="not valid", none="valid", witness_code=NONE, none_code=FOUND)
@@ -278,34 +236,12 @@ def equivalent_command(
     memory_limit: MemoryLimit = None,
 ) -> None:
     """Do two formulas mean the same? Prove it, or print a signal that tells them apart."""
-    with _errors_reported():
+    with errors_reported():
         from mitlplan.planner import equivalent
 
         words = _Words(witness="not equivalent", none="equivalent", witness_code=NONE, none_code=FOUND)
         code = _decide(equivalent, (formula, other), words, form, until, time_limit, memory_limit)
     raise typer.Exit(code)
-
-
-# ------------------------------------------------------------------------------------------------- reading
-
-
-def _read(
-    mission: Path,
-    until: UntilChoice | None,
-    horizon: HorizonChoice | None,
-    epsilon: str | None = None,
-) -> Mission:
-    from mitlplan.mission import read
-
-    found = read(
-        mission,
-        until=until.value if until else None,
-        horizon=horizon.value if horizon else None,
-        epsilon=Fraction(epsilon) if epsilon else None,
-    )
-    for warning in found.warnings:
-        _say(f"{mission}: warning: {warning}")
-    return found
 
 
 # ------------------------------------------------------------------------------------------------ searching
@@ -314,7 +250,7 @@ def _read(
 def _search(engine: EngineChoice, construction: Construction) -> Callable[[Mission, Limits], Outcome]:
     """What finds a plan; that a tool is missing is found out at once."""
     if construction is Construction.published:
-        _say(
+        say(
             "mitlplan: warning: the published construction is unsound: what it finds may violate the "
             "mission, what it misses may satisfy it"
         )
@@ -446,66 +382,11 @@ def _decide(
         case _:
             word, code = words.none, words.none_code
     write = decision_to_json if form is WitnessForm.json else decision_to_text
-    _print(write(word, reason, witness))
+    write_out(write(word, reason, witness))
     return code
 
 
-# ---------------------------------------------------------------------------------------- output and errors
-
-
-def _deliver(text: str, output: Path | None) -> None:
-    from mitlplan.formats.output import write_whole
-
-    if output is None:
-        _print(text)
-    else:
-        write_whole(output, text)
-
-
-def _print(text: str) -> None:
-    try:
-        sys.stdout.write(text)
-        sys.stdout.flush()
-    except BrokenPipeError:
-        # Whoever read has seen enough. What is still buffered must go somewhere when Python ends.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    except OSError as error:
-        raise OutputError(f"cannot write the answer: {error.strerror}") from None
-
-
-def _say(message: str) -> None:
-    sys.stderr.write(f"{message}\n")
-    sys.stderr.flush()
-
-
-@contextmanager
-def _errors_reported() -> Iterator[None]:
-    """Turn whatever goes wrong into a sentence and the exit code that belongs to it."""
-    try:
-        with cli_signals.raised(), room(None):
-            yield
-    except (typer.Exit, typer.BadParameter):
-        raise  # has its code and its sentence already
-    except MitlplanError as error:
-        _say(f"mitlplan: {error}")
-        raise typer.Exit(BAD_INPUT) from None
-    except OverflowError as error:
-        _say(f"mitlplan: the times of this mission are too large or too finely divided: {error}")
-        raise typer.Exit(BAD_INPUT) from None
-    except MemoryError:
-        _say("mitlplan: out of memory; nothing is known (--memory-limit stops the search earlier)")
-        raise typer.Exit(LIMIT) from None
-    except KeyboardInterrupt as stopped:
-        if isinstance(stopped, cli_signals.Signalled):
-            cli_signals.end(stopped.number)
-        number = signal.SIGINT
-        _say(cli_signals.sentence(number))
-        raise typer.Exit(cli_signals.code(number)) from None
-    except Exception:  # noqa: BLE001  # an error of ours must not leave with the code that means "infeasible"
-        _say(f"{traceback.format_exc()}mitlplan: this is an error in mitlplan; please report it")
-        raise typer.Exit(OUR_ERROR) from None
-
-
-cli_models.register(app, _errors_reported)
-cli_reach.register(app, _errors_reported)
-cli_trajectory.register(app, _errors_reported)
+cli_models.register(app)
+cli_reach.register(app)
+cli_trajectory.register(app)
+cli_draw.register(app)

@@ -22,7 +22,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from mitlplan.cli_options import LIMIT
 from mitlplan.cli_signals import last_word, listens
 from mitlplan.errors import OutOfTime
 
@@ -30,6 +29,9 @@ if TYPE_CHECKING:
     from types import FrameType
 
     from mitlplan.search.fastest import Limits
+
+LIMIT = 3
+"""The exit code of a command that a limit stopped."""
 
 LATE = 0.03
 """After what part of the time limit more the alarm rings: searches look at the clock themselves."""

@@ -1,25 +1,26 @@
-"""The commands `translate` and `automaton`: a mission as a model for other tools, and as a picture.
-
-Both make the network of the mission by one of the constructions (:mod:`mitlplan.models`); they differ in what
-they write. `automaton --figure` draws the figures of Zhou, Maity and Baras from the code's own automata.
-"""
+"""The command `translate`: a mission as a network of timed automata for other tools."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from enum import Enum
 from fractions import Fraction
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mitlplan.cli_options import BAD_INPUT, Output, Reported
-from mitlplan.errors import MitlplanError
+from mitlplan.cli_answers import deliver, errors_reported
+from mitlplan.cli_options import (
+    Construction,
+    ConstructionOption,
+    Horizon,
+    MissionFile,
+    Output,
+    Until,
+    read_mission,
+)
 
 if TYPE_CHECKING:
-    from mitlplan.automata.timed_automaton import Automaton, Network
+    from mitlplan.automata.timed_automaton import Network
     from mitlplan.formats.layout import Layout
     from mitlplan.mission import Mission
     from mitlplan.models import MissionModel
@@ -34,28 +35,6 @@ class Format(str, Enum):
     json = "json"
 
 
-class Construction(str, Enum):
-    """How formulas become automata."""
-
-    compact = "compact"
-    seed = "seed"
-    published = "published"
-
-
-class HorizonChoice(str, Enum):
-    """When the mission ends."""
-
-    infinite = "infinite"
-    finite = "finite"
-
-
-class UntilChoice(str, Enum):
-    """What until means."""
-
-    standard = "standard"
-    closed = "closed"
-
-
 def _bound_option(text: str | None) -> str | None:
     from mitlplan.exact import exact
 
@@ -67,26 +46,8 @@ def _bound_option(text: str | None) -> str | None:
     return text
 
 
-MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")]
-OptionalMission = Annotated[
-    Path | None, typer.Argument(metavar="[MISSION]", help="A mission file, YAML or JSON.")
-]
-ConstructionOption = Annotated[Construction, typer.Option(help="How formulas become automata.")]
-Until = Annotated[UntilChoice | None, typer.Option(help="Instead of the mission's own.")]
-Horizon = Annotated[HorizonChoice | None, typer.Option(help="Instead of the mission's own.")]
-
-
-def register(app: typer.Typer, reported: Reported | None = None) -> None:
-    """Add the commands to `app`.
-
-    Parameters
-    ----------
-    app
-        The command line.
-    reported
-        Turns errors into sentences and exit codes; by default only those that a user can meet.
-    """
-    reporting = _reported if reported is None else reported
+def register(app: typer.Typer) -> None:
+    """Add the command to `app`."""
 
     @app.command("translate")
     def translate_command(
@@ -104,31 +65,10 @@ def register(app: typer.Typer, reported: Reported | None = None) -> None:
         horizon: Horizon = None,
     ) -> None:
         """Write a mission as a network of timed automata, for UPPAAL, TChecker or Graphviz."""
-        with reporting():
-            read = _read(mission, until, horizon)
+        with errors_reported():
+            read = read_mission(mission, until, horizon)
             latest = None if bound is None else Fraction(bound)
-            _deliver(translated(read, form, construction, bound=latest), output)
-
-    @app.command("automaton")
-    def automaton_command(
-        mission: OptionalMission = None,
-        construction: ConstructionOption = Construction.published,
-        figure: Annotated[
-            str,
-            typer.Option(metavar="NAME", help="Instead of a mission, a figure of the paper: fig1 to fig9."),
-        ] = "",
-        part: Annotated[str, typer.Option(metavar="NAME", help="Draw only this automaton.")] = "",
-        output: Annotated[
-            Path,
-            typer.Option("--output", "-o", metavar="FILE", help="An svg, or a dot to be drawn elsewhere."),
-        ] = Path("automaton.svg"),
-    ) -> None:
-        """Draw the automata of a mission, or those of the paper's figures."""
-        with reporting():
-            if (mission is None) == (not figure):
-                raise typer.BadParameter("name a mission or a figure, and not both")
-            dot = paper_figure(figure) if mission is None else mission_dot(mission, construction, part)
-            draw_to(output, dot)
+            deliver(translated(read, form, construction, bound=latest), output)
 
 
 # -- what the commands do ------------------------------------------------------------------------------
@@ -187,80 +127,3 @@ def _folded(mission: Mission, model: MissionModel) -> Network:
     folded, column = fold_columns(robot, coordinates, "column")
     variables = (*model.network.variables, column)
     return replace(model.network, automata=(folded, *watchers), variables=variables)
-
-
-def mission_dot(mission: Path, construction: Construction, part: str) -> str:
-    """The graph of one automaton of a mission: the one called `part`, or the robot's."""
-    from mitlplan.errors import MissionError
-    from mitlplan.formats.dot import automaton_dot
-    from mitlplan.models import model_of_mission
-
-    read = _read(mission, None, None)
-    model = model_of_mission(read, construction.value)
-    known = {each.name: each for each in model.network.automata}
-    chosen: Automaton | None = known.get(part) if part else model.network.automata[0]
-    if chosen is None:
-        raise MissionError(f"there is no automaton {part}; there are {', '.join(known)}")
-    return automaton_dot(chosen, points=layout_of(read, model).get(chosen.name))
-
-
-def paper_figure(name: str) -> str:
-    """The graph of a figure of the paper: ``fig1``, ``fig2``, ``fig4`` to ``fig9``.
-
-    Raises
-    ------
-    ToolError
-        If there is no such figure.
-    """
-    from mitlplan.errors import ToolError
-    from mitlplan.paper import figures
-
-    known = figures()
-    if name not in known:
-        raise ToolError(f"there is no figure {name}; there are {', '.join(known)}")
-    return known[name]
-
-
-def draw_to(output: Path, dot: str) -> None:
-    """Write a graph as what the file's name asks for: ``.dot``, or a picture."""
-    from mitlplan.draw.automata import draw_graph
-    from mitlplan.errors import OutputError
-    from mitlplan.formats.output import check_writable, write_whole
-
-    check_writable(output)
-    if output.suffix == ".dot":
-        write_whole(output, dot)
-    elif output.suffix == ".svg":
-        write_whole(output, draw_graph(dot).decode())
-    else:
-        raise OutputError(f"cannot write {output}: an automaton is drawn as .svg or .dot")
-
-
-# -- reading and writing -------------------------------------------------------------------------------
-
-
-def _read(mission: Path, until: UntilChoice | None, horizon: HorizonChoice | None) -> Mission:
-    from mitlplan.mission import read
-
-    found = read(mission, until=until.value if until else None, horizon=horizon.value if horizon else None)
-    for warning in found.warnings:
-        typer.echo(f"{mission}: warning: {warning}", err=True)
-    return found
-
-
-def _deliver(text: str, output: Path | None) -> None:
-    from mitlplan.formats.output import write_whole
-
-    if output is None:
-        typer.echo(text, nl=False)
-    else:
-        write_whole(output, text)
-
-
-@contextmanager
-def _reported() -> Iterator[None]:
-    try:
-        yield
-    except MitlplanError as error:
-        typer.echo(f"mitlplan: {error}", err=True)
-        raise typer.Exit(BAD_INPUT) from None

@@ -1,21 +1,40 @@
-"""What several groups of commands share: exit codes, options, and a line of progress."""
+"""Arguments and options that several commands have, and reading a mission as they say."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from enum import Enum
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from mitlplan.cli_answers import say
+
 if TYPE_CHECKING:
-    from mitlplan.search.fastest import Progress
+    from mitlplan.mission import Mission
 
-FOUND, NONE, BAD_INPUT, LIMIT, OUR_ERROR = 0, 1, 2, 3, 70
 
-Reported = Callable[[], AbstractContextManager[None]]
-"""Turns whatever goes wrong into a sentence and the exit code that belongs to it."""
+class UntilChoice(str, Enum):
+    """What until means."""
+
+    standard = "standard"
+    closed = "closed"
+
+
+class HorizonChoice(str, Enum):
+    """When the mission ends."""
+
+    infinite = "infinite"
+    finite = "finite"
+
+
+class Construction(str, Enum):
+    """How formulas become automata."""
+
+    compact = "compact"
+    seed = "seed"
+    published = "published"
 
 
 def _finite_option(seconds: float | None) -> float | None:
@@ -24,6 +43,24 @@ def _finite_option(seconds: float | None) -> float | None:
     return seconds
 
 
+def positive_option(text: str | None) -> str | None:
+    """A positive number, written exactly; left as text."""
+    from mitlplan.exact import exact
+
+    if text is None:
+        return None
+    try:
+        if exact(text) == 0:
+            raise typer.BadParameter("a positive number is expected, such as 1/20")
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+    return text
+
+
+MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")]
+ConstructionOption = Annotated[Construction, typer.Option(help="How formulas become automata.")]
+Until = Annotated[UntilChoice | None, typer.Option(help="Instead of the mission's own.")]
+Horizon = Annotated[HorizonChoice | None, typer.Option(help="Instead of the mission's own.")]
 Output = Annotated[
     Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write here instead of to stdout.")
 ]
@@ -36,15 +73,21 @@ MemoryLimit = Annotated[
 ]
 
 
-@contextmanager
-def progress_shown() -> Iterator[Callable[[Progress], None]]:
-    """Whom to tell of progress: a line on stderr, which goes away at the end."""
-    import sys
+def read_mission(
+    mission: Path,
+    until: UntilChoice | None = None,
+    horizon: HorizonChoice | None = None,
+    epsilon: str | None = None,
+) -> Mission:
+    """The mission of a file, with what the command line says instead; its warnings go to stderr."""
+    from mitlplan.mission import read
 
-    from mitlplan.formats.progress_line import ProgressLine
-
-    line = ProgressLine(sys.stderr)
-    try:
-        yield lambda progress: line.show(progress.states, progress.lower_bound, progress.seconds)
-    finally:
-        line.clear()
+    found = read(
+        mission,
+        until=until.value if until else None,
+        horizon=horizon.value if horizon else None,
+        epsilon=Fraction(epsilon) if epsilon else None,
+    )
+    for warning in found.warnings:
+        say(f"{mission}: warning: {warning}")
+    return found

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mitlplan.cli_limits import began, held_to
-from mitlplan.cli_options import FOUND, LIMIT, NONE, MemoryLimit, Output, Reported, TimeLimit, progress_shown
+from mitlplan.cli_answers import FOUND, NONE, deliver, errors_reported, progress_shown
+from mitlplan.cli_limits import LIMIT, began, held_to
+from mitlplan.cli_options import MemoryLimit, Output, TimeLimit
 
 if TYPE_CHECKING:
     from mitlplan.automata.timed_automaton import Network, Query
@@ -29,8 +30,8 @@ class TraceForm(str, Enum):
     json = "json"
 
 
-def register(app: typer.Typer, reported: Reported) -> None:
-    """Add the command to `app`; `reported` turns errors into sentences and exit codes."""
+def register(app: typer.Typer) -> None:
+    """Add the command to `app`."""
 
     @app.command("reach")
     def reach_command(
@@ -49,9 +50,9 @@ def register(app: typer.Typer, reported: Reported) -> None:
         memory_limit: MemoryLimit = None,
     ) -> None:
         """Find the fastest trace of a UPPAAL model to what its query names, or prove that there is none."""
-        with reported():
+        with errors_reported():
             from mitlplan.automata.timed_automaton import Network
-            from mitlplan.formats.output import check_writable, write_whole
+            from mitlplan.formats.output import check_writable
             from mitlplan.formats.trace_output import reachable_to_json, reachable_to_text, status
             from mitlplan.search.fastest import Limits, Stopped
             from mitlplan.search.reach import Reachable, reach
@@ -75,10 +76,7 @@ def register(app: typer.Typer, reported: Reported) -> None:
                 text = reachable_to_json(network, answer, time.perf_counter() - begin)
             else:
                 text = reachable_to_text(network, answer)
-            if output is None:
-                typer.echo(text, nl=False)
-            else:
-                write_whole(output, text)
+            deliver(text, output)
             code = {"reached": FOUND, "unreachable": NONE}.get(status(answer), LIMIT)
         raise typer.Exit(code)
 

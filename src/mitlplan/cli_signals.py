@@ -16,7 +16,7 @@ import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -67,13 +67,13 @@ def listens() -> bool:
     return sys.unraisablehook is _only_errors
 
 
-def end(number: int, _frame: FrameType | None = None) -> None:
+def end(number: int, _frame: FrameType | None = None) -> NoReturn:
     """Say what has happened and end here, without the time that Python takes to put everything away."""
     os.write(2, f"{sentence(number)}\n".encode())
     os._exit(code(number))
 
 
-def _raise(number: int, _frame: FrameType | None) -> None:
+def _raise(number: int, _frame: FrameType | None) -> NoReturn:
     for each in _SENTENCES:
         # One is enough: a second must not disturb what the first has set off.
         signal.signal(each, signal.SIG_IGN)

@@ -1,15 +1,13 @@
-"""The commands `trajectory` and `draw`: from a mission or a plan to what a robot drives, and to a picture.
+"""The command `trajectory`: from a mission or a plan to what a robot drives.
 
-Both read the mission, take the plan from a file or find it, and follow it; they differ in what they write.
-As everywhere results go to stdout and sentences to stderr, and the exit code is 1 or 3 where there is no
-plan. What is said of the robot and of how it is driven is the same for both: ``--robot speed=1/2 --drive
-turn=arc``.
+It reads the mission, takes the plan from a file or finds it, and follows it; `draw` does the same and makes a
+picture of it. As everywhere results go to stdout and sentences to stderr, and the exit code is 1 or 3 where
+there is no plan. What is said of the robot and of how it is driven: ``--robot speed=1/2 --drive turn=arc``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
@@ -18,14 +16,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mitlplan.cli_options import BAD_INPUT, LIMIT, NONE, Reported
-from mitlplan.errors import MitlplanError, OutputError, TrajectoryError
+from mitlplan.cli_answers import NONE, deliver, errors_reported, say
+from mitlplan.cli_limits import LIMIT
+from mitlplan.cli_options import MissionFile, Output, positive_option, read_mission
+from mitlplan.errors import OutputError, TrajectoryError
 
 if TYPE_CHECKING:
     from mitlplan.mission import Mission
     from mitlplan.plan import Plan
     from mitlplan.trajectory import Driving, Robot, Trajectory
-    from mitlplan.workspace import Workspace
 
 ROBOT_KEYS = ("speed", "turn_rate", "acceleration", "turn_acceleration", "radius", "heading")
 DRIVE_KEYS = (
@@ -51,27 +50,6 @@ class TrajectoryForm(str, Enum):
     mcap = "mcap"
 
 
-class Shown(str, Enum):
-    """What is drawn."""
-
-    map = "map"
-    plan = "plan"
-    trajectory = "trajectory"
-
-
-def _step_option(text: str | None) -> str | None:
-    from mitlplan.exact import exact
-
-    if text is not None:
-        try:
-            if exact(text) == 0:
-                raise typer.BadParameter("a positive number is expected, such as 1/20")
-        except ValueError as error:
-            raise typer.BadParameter(str(error)) from None
-    return text
-
-
-MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")]
 PlanFile = Annotated[
     Path | None,
     typer.Argument(
@@ -88,17 +66,8 @@ DriveOptions = Annotated[
 ]
 
 
-def register(app: typer.Typer, reported: Reported | None = None) -> None:
-    """Add the commands to `app`.
-
-    Parameters
-    ----------
-    app
-        The command line.
-    reported
-        Turns errors into sentences and exit codes; by default only those that a user can meet.
-    """
-    reporting = _reported if reported is None else reported
+def register(app: typer.Typer) -> None:
+    """Add the command to `app`."""
 
     @app.command("trajectory")
     def trajectory_command(
@@ -108,17 +77,14 @@ def register(app: typer.Typer, reported: Reported | None = None) -> None:
             TrajectoryForm,
             typer.Option("--format", help="How it is written; sqlite3 and mcap are ROS 2 bags."),
         ] = TrajectoryForm.csv,
-        output: Annotated[
-            Path | None,
-            typer.Option("--output", "-o", metavar="FILE", help="Write here instead of to stdout."),
-        ] = None,
+        output: Output = None,
         step: Annotated[
-            str, typer.Option(metavar="SECONDS", callback=_step_option, help="Between two samples.")
+            str, typer.Option(metavar="SECONDS", callback=positive_option, help="Between two samples.")
         ] = "1/20",
         until: Annotated[
             str | None,
             typer.Option(
-                metavar="SECONDS", callback=_step_option, help="How long to follow a plan that goes round."
+                metavar="SECONDS", callback=positive_option, help="How long to follow a plan that goes round."
             ),
         ] = None,
         frame: Annotated[str, typer.Option(help="The coordinate frame named in a bag.")] = "map",
@@ -126,43 +92,21 @@ def register(app: typer.Typer, reported: Reported | None = None) -> None:
         drive: DriveOptions = None,
     ) -> None:
         """Follow a plan: time, pose and controls of a robot that is in its cells when the plan says so."""
-        with reporting():
-            wishes = _wishes(robot or (), drive or ())
+        with errors_reported():
+            wishes = wishes_of(robot or (), drive or ())
             bag = form in (TrajectoryForm.sqlite3, TrajectoryForm.mcap)
             _check_output(output, bag=bag)
-            read, found = _planned(mission, plan)
-            found, driven = _driven(read, found, wishes)
+            read, found = mission_and_plan(mission, plan)
+            found, driven = trajectory_of(read, found, wishes)
             writing = _Writing(form, Fraction(step), None if until is None else Fraction(until), frame)
             _write_trajectory(driven, found, writing, output)
-
-    @app.command("draw")
-    def draw_command(
-        mission: MissionFile,
-        plan: PlanFile = None,
-        output: Annotated[
-            Path,
-            typer.Option("--output", "-o", metavar="FILE", help="An svg, png or pdf, or a gif that moves."),
-        ] = Path("plan.svg"),
-        shown: Annotated[Shown, typer.Option("--show", help="What is drawn on the map.")] = Shown.trajectory,
-        title: Annotated[str, typer.Option(help="Written above the map.")] = "",
-        robot: RobotOptions = None,
-        drive: DriveOptions = None,
-    ) -> None:
-        """Draw the map with its regions, and the plan or the trajectory on it."""
-        from mitlplan.formats.output import write_whole
-
-        with reporting():
-            wishes = _wishes(robot or (), drive or ())
-            _check_output(output)
-            kind = _picture_kind(output, shown)
-            write_whole(output, _drawn(mission, plan, kind, shown, title, wishes))
 
 
 # -------------------------------------------------------------------------------------------------- wishes
 
 
 @dataclass(frozen=True, slots=True)
-class _Wishes:
+class Wishes:
     """What was said of the robot and of how it is driven, checked to be keys that there are."""
 
     robot: Mapping[str, str]
@@ -210,8 +154,9 @@ class _Wishes:
         return text in ("true", "yes")
 
 
-def _wishes(robot: Sequence[str], drive: Sequence[str]) -> _Wishes:
-    return _Wishes(_pairs("--robot", robot, ROBOT_KEYS), _pairs("--drive", drive, DRIVE_KEYS))
+def wishes_of(robot: Sequence[str], drive: Sequence[str]) -> Wishes:
+    """What the options ``--robot`` and ``--drive`` say."""
+    return Wishes(_pairs("--robot", robot, ROBOT_KEYS), _pairs("--drive", drive, DRIVE_KEYS))
 
 
 def _pairs(option: str, texts: Sequence[str], known: Sequence[str]) -> Mapping[str, str]:
@@ -231,17 +176,16 @@ def _pairs(option: str, texts: Sequence[str], known: Sequence[str]) -> Mapping[s
 # ------------------------------------------------------------------------------------------------- driving
 
 
-def _planned(mission: Path, plan: Path | None) -> tuple[Mission, Plan]:
+def mission_and_plan(mission: Path, plan: Path | None) -> tuple[Mission, Plan]:
     """The mission, and the plan of the file or one that is found for it."""
     from mitlplan.check import check
     from mitlplan.errors import PlanFileError
     from mitlplan.formats.plan_json import read_plan
-    from mitlplan.mission import read
     from mitlplan.plan import Infeasible, LimitReached
     from mitlplan.plan import Plan as FoundPlan
     from mitlplan.planner import plan as find
 
-    found = read(mission)
+    found = read_mission(mission)
     outcome = find(found) if plan is None else read_plan(plan)
     match outcome:
         case FoundPlan():
@@ -250,14 +194,14 @@ def _planned(mission: Path, plan: Path | None) -> tuple[Mission, Plan]:
                 raise PlanFileError(f"{plan}: the plan is not one for this mission: {fault}")
             return found, outcome
         case Infeasible(reason=reason):
-            _say(f"no plan: {reason}")
+            say(f"no plan: {reason}")
             raise typer.Exit(NONE)
         case LimitReached(reason=reason):
-            _say(f"no plan found: {reason}")
+            say(f"no plan found: {reason}")
             raise typer.Exit(LIMIT)
 
 
-def _driven(mission: Mission, plan: Plan, wishes: _Wishes) -> tuple[Plan, Trajectory]:
+def trajectory_of(mission: Mission, plan: Plan, wishes: Wishes) -> tuple[Plan, Trajectory]:
     """The trajectory, and the plan that it follows, which is another one if it was retimed."""
     from mitlplan.trajectory import Driving, Profile, Style, Waiting, Weights, follow
 
@@ -273,7 +217,7 @@ def _driven(mission: Mission, plan: Plan, wishes: _Wishes) -> tuple[Plan, Trajec
         reverse=wishes.wanted("reverse"),
     )
     waiting = wishes.choice("waiting", Waiting) or Waiting.ENTRY
-    robot, heading = _robot(mission, wishes), wishes.heading()
+    robot, heading = robot_of(mission, wishes), wishes.heading()
     if heading is None and model is not None:
         heading = model.heading
     if wishes.wanted("retime", otherwise=mission.retime):
@@ -317,28 +261,17 @@ def _retimed(
         deadline=deadline,
     )
     if found.cost > found.bound:
-        _say(f"the new times cost {found.cost:.6g}; others may cost less, but not below {found.bound:.6g}")
+        say(f"the new times cost {found.cost:.6g}; others may cost less, but not below {found.bound:.6g}")
     return found.plan
 
 
-def _robot(mission: Mission, wishes: _Wishes) -> Robot:
+def robot_of(mission: Mission, wishes: Wishes) -> Robot:
     """The mission's robot, with what was said of it here in the place of what the mission says."""
     from mitlplan.trajectory import Robot
 
     model = Robot() if mission.robot is None else mission.robot.robot
     said: dict[str, Any] = {name: wishes.exact(name) for name in wishes.robot if name != "heading"}
     return replace(model, **said)
-
-
-def _on_the_ground(mission: Mission, plan: Plan) -> tuple[Workspace, Plan]:
-    """The map as it was given, and the plan on it, without the headings that the mission's cells may have."""
-    model, world = mission.robot, mission.workspace
-    if model is None:
-        return world, plan
-    indices = [world.index_of(step.cell) for step in plan.steps]
-    names = [model.ground.names[model.cell_of[index]] for index in indices if index is not None]
-    steps = (replace(step, cell=name) for step, name in zip(plan.steps, names, strict=True))
-    return model.ground, replace(plan, steps=tuple(steps))
 
 
 # ------------------------------------------------------------------------------------------------- writing
@@ -355,8 +288,6 @@ class _Writing:
 
 
 def _write_trajectory(trajectory: Trajectory, plan: Plan, writing: _Writing, output: Path | None) -> None:
-    from mitlplan.formats.output import write_whole
-
     try:
         match writing.form:
             case TrajectoryForm.csv:
@@ -384,41 +315,7 @@ def _write_trajectory(trajectory: Trajectory, plan: Plan, writing: _Writing, out
                 return
     except ValueError as error:
         raise OutputError(str(error)) from None
-    if output is None:
-        typer.echo(text, nl=False)
-    else:
-        write_whole(output, text)
-
-
-def _picture_kind(output: Path, shown: Shown) -> str:
-    kind = output.suffix.removeprefix(".").lower()
-    if kind not in ("svg", "png", "pdf", "gif"):
-        raise OutputError(f"cannot draw {output}: its name ends in .svg, .png or .pdf, or in .gif to move")
-    if kind == "gif" and shown is not Shown.trajectory:
-        raise OutputError(f"cannot draw {output}: only a trajectory moves; leave --show away or draw a png")
-    return kind
-
-
-def _drawn(mission: Path, plan: Path | None, kind: Any, shown: Shown, title: str, wishes: _Wishes) -> bytes:
-    from mitlplan.mission import read
-
-    try:
-        from mitlplan.draw import animation, picture, rendered
-    except ImportError:
-        raise OutputError("pictures need the package matplotlib: pip install 'mitlplan[draw]'") from None
-    if shown is Shown.map:
-        read_mission = read(mission)
-        model = read_mission.robot
-        return rendered(picture(model.ground if model else read_mission.workspace, title=title), kind)
-    found, planned = _planned(mission, plan)
-    if shown is Shown.plan:
-        return rendered(picture(*_on_the_ground(found, planned), title=title), kind)
-    planned, driven = _driven(found, planned, wishes)
-    ground, planned = _on_the_ground(found, planned)
-    if kind == "gif":
-        radius = float(_robot(found, wishes).radius)
-        return animation(ground, driven, radius=radius or None, title=title)
-    return rendered(picture(ground, planned, driven, title=title), kind)
+    deliver(text, output)
 
 
 def _check_output(output: Path | None, *, bag: bool = False) -> None:
@@ -433,16 +330,3 @@ def _check_output(output: Path | None, *, bag: bool = False) -> None:
             check_new(output)
         case Path(), False:
             check_writable(output)
-
-
-def _say(message: str) -> None:
-    typer.echo(message, err=True)
-
-
-@contextmanager
-def _reported() -> Iterator[None]:
-    try:
-        yield
-    except MitlplanError as error:
-        _say(f"mitlplan: {error}")
-        raise typer.Exit(BAD_INPUT) from None

@@ -75,8 +75,8 @@ def locations(draw: st.DrawFn, name: str, relations: tuple[Relation, ...], stops
 
 
 @st.composite
-def edges(draw: st.DrawFn, count: int, relations: tuple[Relation, ...]) -> Edge:
-    sides = [Synchronisation(name, sends=sends) for name in ("pair", "all") for sends in (False, True)]
+def edges(draw: st.DrawFn, count: int, relations: tuple[Relation, ...], channels: tuple[str, ...]) -> Edge:
+    sides = [Synchronisation(name, sends=sends) for name in channels for sends in (False, True)]
     tests = st.builds(
         Test,
         st.just(Variable("n")),
@@ -99,22 +99,28 @@ def edges(draw: st.DrawFn, count: int, relations: tuple[Relation, ...]) -> Edge:
 
 
 @st.composite
-def automata(draw: st.DrawFn, name: str, relations: tuple[Relation, ...], stops: bool) -> Automaton:
+def automata(
+    draw: st.DrawFn, name: str, relations: tuple[Relation, ...], stops: bool, channels: tuple[str, ...]
+) -> Automaton:
     count = draw(st.integers(1, 3))
     return Automaton(
         name,
         tuple(draw(locations(f"l{index}", relations, stops)) for index in range(count)),
-        tuple(draw(st.lists(edges(count, relations), min_size=1, max_size=5))),
+        tuple(draw(st.lists(edges(count, relations, channels), min_size=1, max_size=5))),
         draw(st.integers(0, count - 1)),
     )
 
 
 @st.composite
 def questions(
-    draw: st.DrawFn, *, relations: tuple[Relation, ...] = CLOSED, stops: bool = False
+    draw: st.DrawFn,
+    *,
+    relations: tuple[Relation, ...] = CLOSED,
+    stops: bool = False,
+    channels: tuple[str, ...] = ("pair", "all"),
 ) -> tuple[Network, Query]:
     names = ["P", "Q", "R"][: draw(st.integers(1, 3))]
-    parts = tuple(draw(automata(name, relations, stops)) for name in names)
+    parts = tuple(draw(automata(name, relations, stops, channels)) for name in names)
     network = Network(
         parts, CLOCKS, (Channel("pair"), Channel("all", broadcast=True)), (BoundedInteger("n", 0, 2),)
     )
@@ -166,6 +172,59 @@ def test_least_times_with_strict_bounds(question: tuple[Network, Query]) -> None
         assert trace.least <= expected.time < trace.least + 1
         assert not (trace.attained and expected.time > trace.least)
         assert trace.attained or expected.time > trace.least
+
+
+@settings(max_examples=250)
+@given(questions(relations=tuple(Relation), channels=("all",)))
+def test_who_can_hear_a_broadcast_does(question: tuple[Network, Query]) -> None:
+    """A trace may have to wait until a guard of somebody who is not to hear it does not hold."""
+    network, query = question
+    answer = reach(network, query)
+    expected = slowly(network, query, resolution=3, latest=Fraction(4))
+    if isinstance(answer, Unreachable):
+        assert expected is None
+    else:
+        assert isinstance(answer, Reached)
+        assert execute(network, answer.trace, answer.target) is None
+        assert answer.trace.least == answer.bound
+        assert expected is None or answer.trace.least <= expected.time
+
+
+@pytest.mark.parametrize("stopped", [False, True])
+@pytest.mark.parametrize(
+    ("guard", "least", "attained"),
+    [
+        ((("x", "<=", 0),), 0, False),
+        ((("x", "<", 2),), 2, True),
+        ((("x", "<=", 5), ("y", "<", 3)), 3, True),
+        ((("x", ">=", 0), ("y", "<=", 1)), 1, False),
+        ((("x", ">", 1),), 0, True),
+    ],
+)
+def test_a_broadcast_waits_until_nobody_else_can_hear_it(
+    guard: tuple[tuple[str, str, int], ...], least: int, attained: bool, stopped: bool
+) -> None:
+    """Whoever hears it undoes it; of several bounds of the hearer, the first to be broken counts."""
+    bounds = tuple(Constraint(clock, Relation(sign), Fraction(bound)) for clock, sign, bound in guard)
+    say, hear = (Synchronisation("all", sends=sends) for sends in (True, False))
+    said, undone = (Assignment("n", Number(value)) for value in (1, 0))
+    # A clock that stands still and is read, so that times are found by the other way of solving.
+    still = (Constraint("z", Relation.AT_MOST, Fraction(0)),) if stopped else ()
+    here = Location("here", stopped=frozenset({"z"} if stopped else ()))
+    network = Network(
+        (
+            Automaton("speaker", (here,), (Edge(0, 0, still, synchronisation=say, assignments=(said,)),)),
+            Automaton(
+                "hearer", (Location("a"),), (Edge(0, 0, bounds, synchronisation=hear, assignments=(undone,)),)
+            ),
+        ),
+        CLOCKS,
+        (Channel("all", broadcast=True),),
+        (BoundedInteger("n", 0, 2),),
+    )
+    answer = reach(network, Query((Target({}, (), (Test(Variable("n"), ">=", Number(1)),)),)))
+    assert isinstance(answer, Reached)
+    assert (answer.trace.least, answer.trace.attained) == (least, attained)
 
 
 @settings(max_examples=250)

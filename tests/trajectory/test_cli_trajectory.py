@@ -8,11 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import typer
 from PIL import Image
 from typer.testing import CliRunner
 
-from mitlplan.cli_trajectory import register
+from mitlplan.cli import app
 
 MISSION = """
 mitlplan: 1
@@ -22,14 +21,6 @@ robot: {start: [0, 0]}
 spec: "SPEC"
 """
 PHI1, PHI2 = "(!A U B) & F A", "G F[0,2] A"
-
-app = typer.Typer()
-register(app)
-
-
-@app.command("other")
-def other() -> None:
-    """A second command: with one alone typer leaves its name away."""
 
 
 def mission(folder: Path, spec: str = PHI1, *, waiting: bool = False) -> str:

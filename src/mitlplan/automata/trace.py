@@ -9,12 +9,15 @@ least time from being attained, the times are within an epsilon of it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from fractions import Fraction
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from mitlplan.automata.timed_automaton import (
+    Automaton,
     Edge,
     Location,
     Network,
@@ -125,11 +128,7 @@ def execute(network: Network, trace: Trace, target: Target | None = None) -> str
     str or None
         ``None`` if the trace is a run of the network.
     """
-    state = _State(
-        [automaton.initial for automaton in network.automata],
-        dict.fromkeys(network.clocks, Fraction(0)),
-        {variable.name: variable.initial for variable in network.variables},
-    )
+    state = _started(network)
     now = Fraction(0)
     if problem := _broken_invariant(network, state):
         return f"at 0: {problem}"
@@ -142,6 +141,14 @@ def execute(network: Network, trace: Trace, target: Target | None = None) -> str
     if problem := _delayed(network, state, trace.end - now) or _missed(network, state, target):
         return f"at {trace.end}: {problem}"
     return None
+
+
+def _started(network: Network) -> _State:
+    return _State(
+        [automaton.initial for automaton in network.automata],
+        dict.fromkeys(network.clocks, Fraction(0)),
+        {variable.name: variable.initial for variable in network.variables},
+    )
 
 
 def _missed(network: Network, state: _State, target: Target) -> str:
@@ -243,11 +250,14 @@ def _unfit(network: Network, state: _State, edges: Sequence[tuple[int, Edge]]) -
     broadcast = any(each.broadcast for each in network.channels if each.name == channel)
     if not broadcast:
         return "" if len(rest) == 1 else f"{channel} joins two"
-    return _left_out(network, state, channel, {place for place, _ in edges})
+    left_out = _left_out(network, state, channel, {place for place, _ in edges})
+    return "" if left_out is None else f"{left_out[0].name} would have to receive {channel}"
 
 
-def _left_out(network: Network, state: _State, channel: str, taking_part: set[int]) -> str:
-    """A broadcast takes along everyone who can receive it."""
+def _left_out(
+    network: Network, state: _State, channel: str, taking_part: AbstractSet[int]
+) -> tuple[Automaton, Edge] | None:
+    """Who is not taken along by a broadcast though it could receive it, and by which edge."""
     for place, automaton in enumerate(network.automata):
         for edge in automaton.edges:
             heard = edge.synchronisation
@@ -255,11 +265,66 @@ def _left_out(network: Network, state: _State, channel: str, taking_part: set[in
             if place in taking_part or not could or edge.source != state.locations[place]:
                 continue
             if _enabled(state.clocks, state.values, edge):
-                return f"{automaton.name} would have to receive {channel}"
-    return ""
+                return automaton, edge
+    return None
 
 
 # -- times ---------------------------------------------------------------------------------------------
+
+
+Declined: TypeAlias = Mapping[int, Guard]
+"""What else has to hold at a move, by its number, so that nobody hears it who has no part in it."""
+
+
+def soonest(
+    network: Network, solve: Callable[[Declined], Trace | None], target: Target | None
+) -> Trace | None:
+    """The earliest trace that `solve` can make, where broadcasts are heard by those who take part alone.
+
+    Who could hear a broadcast must: at least one constraint of its guard is broken, and which one is tried.
+
+    Parameters
+    ----------
+    solve
+        The earliest times that satisfy the guards of the moves and the constraints it is given.
+    """
+
+    def best(declined: Declined) -> Trace | None:
+        found = solve(declined)
+        if found is None or execute(network, found, target) is None:
+            return found
+        number, guard = _overheard(network, found)
+        known = declined.get(number, ())
+        others = [constraint.negated for constraint in guard]
+        if not others or set(others) & set(known):
+            return None
+        ways = (best({**declined, number: (*known, each)}) for each in others)
+        return min((way for way in ways if way is not None), key=rank, default=None)
+
+    return best({})
+
+
+def rank(trace: Trace) -> tuple[Fraction, bool]:
+    """Sooner traces have less; a least time that is attained is better than the same one approached."""
+    return trace.least, not trace.attained
+
+
+def _overheard(network: Network, trace: Trace) -> tuple[int, Guard]:
+    """The first move that somebody else would have to receive, and by what guard; ``()`` if there is none."""
+    state = _started(network)
+    now = Fraction(0)
+    for number, (move, time) in enumerate(zip(trace.moves, trace.times, strict=True)):
+        if _delayed(network, state, time - now):
+            break
+        if _moved(network, state, move):
+            place, index = move[0]
+            sent = network.automata[place].edges[index].synchronisation
+            channel = "" if sent is None else sent.channel
+            broadcast = any(each.broadcast and each.name == channel for each in network.channels)
+            left_out = _left_out(network, state, channel, {place for place, _ in move}) if broadcast else None
+            return number, () if left_out is None else left_out[1].guard
+        now = time
+    return 0, ()
 
 
 def earliest(
@@ -268,6 +333,7 @@ def earliest(
     target: Target | None = None,
     *,
     epsilon: Fraction = Fraction(1, 1000),
+    declined: Declined = MappingProxyType({}),
 ) -> Trace | None:
     """The earliest times at which `moves` can be made one after the other; ``None`` if they cannot.
 
@@ -280,6 +346,8 @@ def earliest(
         What must hold at the end.
     epsilon
         How far above the infimum the last move may be made if the infimum is not attained, in seconds.
+    declined
+        What else has to hold at some of the moves.
 
     Examples
     --------
@@ -290,24 +358,33 @@ def earliest(
     >>> earliest(Network((walk,), clocks=("z",)), [((0, 0),)]).times
     (Fraction(3, 2),)
     """
-    program = _Program(network, moves, () if target is None else target.guard)
-    bottom = program.least(Fraction(0))
-    if bottom is None:
-        return None
-    *times, least = bottom
-    trace = Trace(tuple(moves), tuple(times), attained=True, least=least, end=least)
-    if execute(network, trace, target) is None:
-        return trace
-    margin = epsilon / (len(moves) + 1)
-    for _ in range(MOST_HALVINGS):
-        later = program.least(margin)
-        if later is not None:
-            *times, end = later
-            trace = Trace(tuple(moves), tuple(times), attained=False, least=least, end=end)
-            if execute(network, trace, target) is None:
-                return trace
-        margin /= 2
-    return None
+
+    def solve(besides: Declined) -> Trace | None:
+        together = {
+            number: (*declined.get(number, ()), *besides.get(number, ())) for number in {*declined, *besides}
+        }
+        program = _Program(network, moves, () if target is None else target.guard, together)
+        bottom = program.least(Fraction(0))
+        if bottom is None:
+            return None
+        *times, least = bottom
+        found = Trace(tuple(moves), tuple(times), attained=True, least=least, end=least)
+        if execute(network, found, target) is None:
+            return found
+        margin = epsilon / (len(moves) + 1)
+        last: Trace | None = None
+        for _ in range(MOST_HALVINGS):
+            later = program.least(margin)
+            if later is not None:
+                *times, end = later
+                last = Trace(tuple(moves), tuple(times), attained=False, least=least, end=end)
+                if execute(network, last, target) is None:
+                    return last
+            margin /= 2
+        return last
+
+    found = soonest(network, solve, target)
+    return found if found is not None and execute(network, found, target) is None else None
 
 
 _Row: TypeAlias = tuple[dict[int, int], Fraction, bool]
@@ -317,7 +394,7 @@ _Row: TypeAlias = tuple[dict[int, int], Fraction, bool]
 class _Program:
     """The linear program in the delays before each move, and before the end."""
 
-    def __init__(self, network: Network, moves: Sequence[Move], goal: Guard) -> None:
+    def __init__(self, network: Network, moves: Sequence[Move], goal: Guard, declined: Declined) -> None:
         self._count = len(moves) + 1
         self._scale = ticks_per_second(network)
         self._rows: list[_Row] = []
@@ -337,6 +414,7 @@ class _Program:
                 break
             for place, index in moves[step]:
                 self._bounds(network.automata[place].edges[index].guard, running)
+            self._bounds(declined.get(step, ()), running)
             for place, index in moves[step]:
                 for clock in network.automata[place].edges[index].resets:
                     running[clock] = []

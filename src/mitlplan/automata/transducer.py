@@ -46,6 +46,17 @@ class Constraint:
     def __str__(self) -> str:
         return f"{self.clock}{self.relation.value}{self.bound}"
 
+    @property
+    def negated(self) -> Constraint:
+        """What holds where this one does not."""
+        opposite = {
+            Relation.LESS: Relation.AT_LEAST,
+            Relation.AT_MOST: Relation.GREATER,
+            Relation.AT_LEAST: Relation.LESS,
+            Relation.GREATER: Relation.AT_MOST,
+        }
+        return Constraint(self.clock, opposite[self.relation], self.bound)
+
 
 Guard = tuple[Constraint, ...]
 

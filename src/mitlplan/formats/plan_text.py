@@ -133,7 +133,10 @@ def _summary(plan: Plan) -> str:
             f"infimum {plan.makespan}, which no plan attains; this one is within {plan.epsilon} "
             f"({size}, {checked})"
         )
-    proved = "fastest" if plan.bound == plan.makespan else f"none is below {plan.bound or 0}"
+    if plan.bound == plan.makespan:
+        proved = "fastest"
+    else:
+        proved = f"none is below {plan.bound}" if plan.bound else "not proved to be the fastest"
     return f"makespan {plan.makespan} ({_decimal(plan.makespan)}{proved}, {size}, {checked})"
 
 

@@ -17,7 +17,7 @@ from typing import TypeAlias, Union
 
 from mitlplan import _core
 from mitlplan.automata.timed_automaton import Network, Query, Target
-from mitlplan.automata.trace import Move, Trace
+from mitlplan.automata.trace import Move, Trace, rank
 from mitlplan.errors import OutOfTime
 from mitlplan.search.fastest import (
     EXHAUSTED,
@@ -183,7 +183,7 @@ class _Ways:
             if found is None:
                 continue
             # A least time that is attained is better than the same one approached.
-            if best is None or _rank(found.trace) < _rank(best.trace):
+            if best is None or rank(found.trace) < rank(best.trace):
                 best = found
             if best.trace.least <= self.bound():
                 return best
@@ -239,7 +239,3 @@ class _Ways:
         """What has been done so far."""
         search = self.search
         return Effort(search.visited, search.stored, search.transitions, search.bytes)
-
-
-def _rank(trace: Trace) -> tuple[Fraction, bool]:
-    return trace.least, not trace.attained

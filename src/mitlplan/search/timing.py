@@ -15,7 +15,7 @@ from fractions import Fraction
 from mitlplan import _core
 from mitlplan.automata import trace
 from mitlplan.automata.timed_automaton import Location, Network, Target, Urgency, ticks_per_second
-from mitlplan.automata.trace import Move, Trace, execute, located
+from mitlplan.automata.trace import Declined, Move, Trace, execute, located, soonest
 from mitlplan.automata.transducer import Guard, Relation
 from mitlplan.search.schedule import Difference, columns, infinitesimals_a_tick
 from mitlplan.search.tables import ticks_of
@@ -53,19 +53,23 @@ def earliest(
     ((Fraction(1501, 1000),), Fraction(3, 2), False)
     """
     scale = ticks_per_second(network) * _denominator(target.guard)
-    try:
-        constraints = list(dict.fromkeys(_differences(network, moves, target.guard, scale)))
-    except _StopwatchRead:
-        return trace.earliest(network, moves, target, epsilon=epsilon)
-    try:
-        times = _core.earliest_times(len(moves) + 2, *columns(constraints))
-    except ValueError:
-        return None
-    parts = infinitesimals_a_tick(times, constraints, epsilon * scale)
-    *made, end = [Fraction(ticks * parts + small, scale * parts) for ticks, small in times[1:]]
-    least = Fraction(times[-1][0], scale)
-    found = Trace(tuple(moves), tuple(made), attained=times[-1][1] == 0, least=least, end=end)
-    return found if execute(network, found, target) is None else None
+
+    def solve(declined: Declined) -> Trace | None:
+        try:
+            constraints = list(dict.fromkeys(_differences(network, moves, target.guard, declined, scale)))
+        except _StopwatchRead:
+            return trace.earliest(network, moves, target, epsilon=epsilon, declined=declined)
+        try:
+            times = _core.earliest_times(len(moves) + 2, *columns(constraints))
+        except ValueError:
+            return None
+        parts = infinitesimals_a_tick(times, constraints, epsilon * scale)
+        *made, end = [Fraction(ticks * parts + small, scale * parts) for ticks, small in times[1:]]
+        least = Fraction(times[-1][0], scale)
+        return Trace(tuple(moves), tuple(made), attained=times[-1][1] == 0, least=least, end=end)
+
+    found = soonest(network, solve, target)
+    return found if found is not None and execute(network, found, target) is None else None
 
 
 def _denominator(guard: Guard) -> int:
@@ -75,7 +79,9 @@ def _denominator(guard: Guard) -> int:
     return scale
 
 
-def _differences(network: Network, moves: Sequence[Move], goal: Guard, scale: int) -> Iterator[Difference]:
+def _differences(
+    network: Network, moves: Sequence[Move], goal: Guard, declined: Declined, scale: int
+) -> Iterator[Difference]:
     """The constraints on the times of the moves; 0 is the start, and one behind the last move the end."""
     reset_at = dict.fromkeys(network.clocks, 0)
     stood_still: set[str] = set()
@@ -110,6 +116,7 @@ def _differences(network: Network, moves: Sequence[Move], goal: Guard, scale: in
         edges = [network.automata[place].edges[index] for place, index in moves[step]]
         for edge in edges:
             yield from read(edge.guard, step + 1)
+        yield from read(declined.get(step, ()), step + 1)
         for edge in edges:
             for clock in edge.resets:
                 reset_at[clock] = step + 1
