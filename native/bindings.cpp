@@ -9,4 +9,5 @@ NB_MODULE(_core, m) {
     mitlplan::bind_search(m);
     mitlplan::bind_reachability(m);
     mitlplan::bind_schedule(m);
+    mitlplan::bind_last_word(m);
 }

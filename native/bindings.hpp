@@ -9,5 +9,6 @@ void bind_zone(nanobind::module_& m);
 void bind_search(nanobind::module_& m);
 void bind_reachability(nanobind::module_& m);
 void bind_schedule(nanobind::module_& m);
+void bind_last_word(nanobind::module_& m);
 
 }  // namespace mitlplan

@@ -1,8 +1,9 @@
 """The command line: read arguments, call one function, print its answer.
 
 Results go to stdout and everything else to stderr; the exit code says which kind of answer it was: 0 a plan
-(or yes), 1 a proof that there is none (or no), 2 bad input, 3 a limit stopped the search, 130 interrupted,
-and 70 an error of ours. Heavy libraries are imported by the commands that need them: help comes at once.
+(or yes), 1 a proof that there is none (or no), 2 bad input, 3 a limit stopped it, 130 interrupted, 143
+terminated, and 70 an error of ours. Heavy libraries are imported by the commands that need them: help comes
+at once.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ from typing import TYPE_CHECKING, Annotated, TextIO
 import typer
 
 from mitlplan import cli_draw, cli_models, cli_reach, cli_trajectory
-from mitlplan.cli_answers import FOUND, LIMIT, NONE, deliver, errors_reported, progress_shown, say, write_out
+from mitlplan.cli_answers import FOUND, NONE, deliver, errors_reported, progress_shown, say, write_out
+from mitlplan.cli_limits import LIMIT, began, held_to
 from mitlplan.cli_options import (
     Construction,
     ConstructionOption,
@@ -135,18 +137,22 @@ def plan_command(
     """Find the fastest plan for a mission, or prove that there is none."""
     with errors_reported():
         from mitlplan.formats.output import check_writable
+        from mitlplan.plan import LimitReached
         from mitlplan.search.fastest import Limits
 
         if output is not None:
             check_writable(output)
-        begin = time.perf_counter()
-        read = read_mission(mission, until, horizon, epsilon)
-        reading = time.perf_counter() - begin
         search = _search(engine, construction)
         with progress_shown() as progress:
-            limits = Limits(time_limit, memory_limit, progress)
-            outcome = search(read, limits)
-        outcome = _with_reading(outcome, reading)
+            limits = Limits(time_limit, memory_limit, progress, began())
+
+            def work() -> Outcome:
+                begin = time.perf_counter()
+                read = read_mission(mission, until, horizon, epsilon)
+                reading = time.perf_counter() - begin
+                return _with_reading(search(read, limits), reading)
+
+            outcome = held_to(limits, work, LimitReached)
         deliver(_written(outcome, form, to_terminal=output is None), output)
         code = _code(outcome)
     raise typer.Exit(code)
@@ -261,6 +267,7 @@ def _search(engine: EngineChoice, construction: Construction) -> Callable[[Missi
                 time_limit=limits.seconds,
                 memory_limit=limits.megabytes,
                 progress=limits.progress,
+                since=limits.started,
             )
         case EngineChoice.reach:
             from mitlplan.search.reach import reach
@@ -348,12 +355,22 @@ def _decide(
     from mitlplan.logic.parse import parse
     from mitlplan.plan import LimitReached
     from mitlplan.planner import Satisfiable
+    from mitlplan.search.fastest import Limits
 
-    formulas = [parse(text) for text in texts]
     with progress_shown() as progress:
-        answer = question(
-            *formulas, until=until.value, time_limit=time_limit, memory_limit=memory_limit, progress=progress
-        )
+        limits = Limits(time_limit, memory_limit, progress, began())
+
+        def work() -> Answer:
+            return question(
+                *(parse(text) for text in texts),
+                until=until.value,
+                time_limit=time_limit,
+                memory_limit=memory_limit,
+                progress=progress,
+                since=limits.started,
+            )
+
+        answer = held_to(limits, work, LimitReached)
     witness, reason = None, ""
     match answer:
         case Satisfiable(signal=signal):

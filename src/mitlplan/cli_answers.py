@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import traceback
 from collections.abc import Callable, Iterator
@@ -12,12 +13,14 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from mitlplan.errors import MitlplanError
+from mitlplan import cli_signals
+from mitlplan.cli_limits import LIMIT, room
+from mitlplan.errors import MitlplanError, OutputError
 
 if TYPE_CHECKING:
     from mitlplan.search.fastest import Progress
 
-FOUND, NONE, BAD_INPUT, LIMIT, OUR_ERROR, INTERRUPTED = 0, 1, 2, 3, 70, 130
+FOUND, NONE, BAD_INPUT, OUR_ERROR = 0, 1, 2, 70
 
 
 def deliver(text: str, output: Path | None) -> None:
@@ -38,6 +41,8 @@ def write_out(text: str) -> None:
     except BrokenPipeError:
         # Whoever read has seen enough. What is still buffered must go somewhere when Python ends.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        raise OutputError(f"cannot write the answer: {error.strerror}") from None
 
 
 def say(message: str) -> None:
@@ -50,7 +55,8 @@ def say(message: str) -> None:
 def errors_reported() -> Iterator[None]:
     """Turn whatever goes wrong into a sentence and the exit code that belongs to it."""
     try:
-        yield
+        with cli_signals.raised(), room(None):
+            yield
     except (typer.Exit, typer.BadParameter):
         raise  # has its code and its sentence already
     except MitlplanError as error:
@@ -62,9 +68,11 @@ def errors_reported() -> Iterator[None]:
     except MemoryError:
         say("mitlplan: out of memory; nothing is known (--memory-limit stops the search earlier)")
         raise typer.Exit(LIMIT) from None
+    except cli_signals.Signalled as stopped:
+        cli_signals.end(stopped.number)
     except KeyboardInterrupt:
-        say("mitlplan: interrupted")
-        raise typer.Exit(INTERRUPTED) from None
+        say(cli_signals.sentence(signal.SIGINT))
+        raise typer.Exit(cli_signals.code(signal.SIGINT)) from None
     except Exception:  # noqa: BLE001  # an error of ours must not leave with the code that means "infeasible"
         say(f"{traceback.format_exc()}mitlplan: this is an error in mitlplan; please report it")
         raise typer.Exit(OUR_ERROR) from None

@@ -66,10 +66,10 @@ Output = Annotated[
 ]
 TimeLimit = Annotated[
     float | None,
-    typer.Option(metavar="SECONDS", callback=_finite_option, help="Stop the search after so long."),
+    typer.Option(metavar="SECONDS", callback=_finite_option, help="Stop so long after the start."),
 ]
 MemoryLimit = Annotated[
-    int | None, typer.Option(metavar="MB", min=1, help="Stop the search when it holds so much.")
+    int | None, typer.Option(metavar="MB", min=1, help="Stop when the work holds so much.")
 ]
 
 

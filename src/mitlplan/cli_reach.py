@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mitlplan.cli_answers import FOUND, LIMIT, NONE, deliver, errors_reported, progress_shown
+from mitlplan.cli_answers import FOUND, NONE, deliver, errors_reported, progress_shown
+from mitlplan.cli_limits import LIMIT, began, held_to
 from mitlplan.cli_options import MemoryLimit, Output, TimeLimit
 
 if TYPE_CHECKING:
@@ -50,18 +51,27 @@ def register(app: typer.Typer) -> None:
     ) -> None:
         """Find the fastest trace of a UPPAAL model to what its query names, or prove that there is none."""
         with errors_reported():
+            from mitlplan.automata.timed_automaton import Network
             from mitlplan.formats.output import check_writable
             from mitlplan.formats.trace_output import reachable_to_json, reachable_to_text, status
-            from mitlplan.search.fastest import Limits
-            from mitlplan.search.reach import reach
+            from mitlplan.search.fastest import Limits, Stopped
+            from mitlplan.search.reach import Reachable, reach
 
             if output is not None:
                 check_writable(output)
-            network, asked = _read(model, query)
             begin = time.perf_counter()
             with progress_shown() as progress:
-                limits = Limits(time_limit, memory_limit, progress)
-                answer = reach(network, asked, limits, fastest=not any_trace)
+                limits = Limits(time_limit, memory_limit, progress, began())
+
+                def work() -> tuple[Network, Reachable]:
+                    nonlocal begin
+                    network, asked = _read(model, query)
+                    begin = time.perf_counter()
+                    return network, reach(network, asked, limits, fastest=not any_trace)
+
+                network, answer = held_to(
+                    limits, work, lambda reason: (Network(()), Stopped(reason, None, 0))
+                )
             if form is TraceForm.json:
                 text = reachable_to_json(network, answer, time.perf_counter() - begin)
             else:

@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mitlplan.cli_answers import LIMIT, NONE, deliver, errors_reported, say
+from mitlplan.cli_answers import NONE, deliver, errors_reported, say
+from mitlplan.cli_limits import LIMIT
 from mitlplan.cli_options import MissionFile, Output, positive_option, read_mission
 from mitlplan.errors import OutputError, TrajectoryError
 

@@ -28,6 +28,7 @@ from scipy.sparse.csgraph import breadth_first_order
 
 from mitlplan.automata.transducer import Constraint, Edge, Location, Relation, Transducer
 from mitlplan.compose import Construction, compose
+from mitlplan.errors import OutOfTime
 from mitlplan.logic.core import Core
 from mitlplan.logic.formula import And, Formula, Not
 from mitlplan.logic.semantics import satisfies
@@ -360,7 +361,10 @@ def fastest_loop(question: Question, to_beat: Rival | None, limits: Limits) -> L
             to_beat = known.loop.rival
     if to_beat is None or _least_rival(question.workspace, known.bound) >= to_beat:
         return known
-    walks = _walks(question, known.bound, to_beat, limits)
+    try:
+        walks = _walks(question, known.bound, to_beat, limits)
+    except OutOfTime:
+        return known
     reached = to_beat[0] if walks.complete_up_to is None else walks.complete_up_to
     if not given:
         reached = known.bound
@@ -429,15 +433,20 @@ def _loop_of_zone_graph(question: Question, limits: Limits, most_states: int | N
         case _:
             pass
     best: Round | None = None
-    for lasso in islice(found, LASSOS):
-        times = timetable(tables, lasso, question.epsilon)
-        if times is None:
-            continue
-        loop = _round_of(tables, lasso, times)
-        if small is not None:
-            loop = _expanded(small, loop)
-        if (best is None or loop.rival < best.rival) and (question.satisfied_by(loop)):
-            best = loop
+    try:
+        for lasso in islice(found, LASSOS):
+            limits.look()
+            times = timetable(tables, lasso, question.epsilon)
+            if times is None:
+                continue
+            loop = _round_of(tables, lasso, times)
+            if small is not None:
+                loop = _expanded(small, loop)
+            if (best is None or loop.rival < best.rival) and (question.satisfied_by(loop)):
+                best = loop
+    except OutOfTime:
+        if best is None:
+            return Loops(reason=limits.out_of_time)
     if best is None:
         return Loops(
             reason="there are infinite runs, but no exactly periodic one was found among their loops"

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from fractions import Fraction
 from typing import Protocol
@@ -26,7 +26,7 @@ from mitlplan.automata.timed_automaton import Network, Query
 from mitlplan.automata.trace import stays
 from mitlplan.check import check
 from mitlplan.compose import core_of
-from mitlplan.errors import ToolError
+from mitlplan.errors import OutOfTime, ToolError
 from mitlplan.logic.normalize import accomplishable
 from mitlplan.mission import Mission
 from mitlplan.models import Construction, MissionModel, model_of_mission
@@ -105,10 +105,11 @@ def plan_by(
         if fault is not None and construction != "published":
             raise ToolError(f"the engine {name} found what is no plan: {fault}")
         if fault is None:
-            with _stage(seconds, "slack"):
+            # A plan in hand is given away whatever happens now.
+            with _stage(seconds, "slack"), suppress(OutOfTime, MemoryError):
                 slack = slack_of(mission.workspace, core_of(mission), mission.horizon, outcome, limits)
-            steps = (replace(step, slack=one) for step, one in zip(outcome.steps, slack, strict=True))
-            outcome = replace(outcome, steps=tuple(steps))
+                steps = (replace(step, slack=one) for step, one in zip(outcome.steps, slack, strict=True))
+                outcome = replace(outcome, steps=tuple(steps))
     return replace(outcome, statistics=_statistics(model, answer, name, construction, seconds))
 
 

@@ -13,6 +13,13 @@ class MitlplanError(Exception):
     """The common parent: ``str(error)`` is the sentence for the user."""
 
 
+class OutOfTime(BaseException):  # like KeyboardInterrupt: no error, and not to be swallowed
+    """A time limit is over: raised between stages, and by the command line's alarm at any moment.
+
+    Whoever has found something by then hands it out.
+    """
+
+
 def _readable(message: str) -> str:
     """The message without its middle, if that is a name of megabytes."""
     half = _LONGEST // 2

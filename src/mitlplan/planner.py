@@ -11,7 +11,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations
@@ -21,8 +21,8 @@ from typing import Literal as Choice
 from mitlplan.automata.transducer import Network
 from mitlplan.check import check, signal_of
 from mitlplan.compose import Construction, compose, core_of
-from mitlplan.endless import Question, Round, any_loop, fastest_loop
-from mitlplan.errors import TranslationError
+from mitlplan.endless import Loops, Question, Round, any_loop, fastest_loop
+from mitlplan.errors import OutOfTime, TranslationError
 from mitlplan.exact import Number
 from mitlplan.logic.core import (
     Conjunction,
@@ -91,6 +91,7 @@ def plan(
     time_limit: float | None = ...,
     memory_limit: int | None = ...,
     progress: Report | None = ...,
+    since: float | None = ...,
 ) -> Outcome: ...
 
 
@@ -107,6 +108,7 @@ def plan(
     time_limit: float | None = ...,
     memory_limit: int | None = ...,
     progress: Report | None = ...,
+    since: float | None = ...,
 ) -> Outcome: ...
 
 
@@ -118,6 +120,7 @@ def plan(
     time_limit: float | None = None,
     memory_limit: int | None = None,
     progress: Report | None = None,
+    since: float | None = None,
     **reading: Any,
 ) -> Outcome:
     """The fastest plan for a mission, checked by the independent judge.
@@ -134,9 +137,12 @@ def plan(
         How formulas become automata: ``"seed"`` is the repaired construction of the paper, and cannot
         express everything.
     time_limit, memory_limit
-        When to give up: seconds and megabytes.
+        When to give up: seconds and megabytes. Searches look at them, and the way from one stage to
+        the next does.
     progress
         Called a few times a second while the search goes on.
+    since
+        From when the time limit counts, by :func:`time.monotonic`; from now on if it is not said.
 
     Returns
     -------
@@ -155,8 +161,8 @@ def plan(
     >>> print(plan(workspace, "(!A U B) & F A", start="r0c0"))
     0 r0c0 -> 1 r0c1 -> 2 r0c0 -> 3 r1c0
     """
+    limits = Limits(time_limit, memory_limit, progress, since).begin()
     mission = _mission(mission, spec, reading)
-    limits = Limits(time_limit, memory_limit, progress).begin()
     planning = _planning(mission, limits, construction)
     outcome = planning.outcome()
     match outcome:
@@ -165,7 +171,9 @@ def plan(
                 fault = check(mission, outcome)
             if fault is not None:
                 raise AssertionError(f"the plan found does not pass the judge, a defect of mitlplan: {fault}")
-            outcome = planning.with_slack(outcome)
+            # A plan in hand is given away whatever happens now.
+            with suppress(OutOfTime, MemoryError):
+                outcome = planning.with_slack(outcome)
             return replace(outcome, checked=True, statistics=planning.statistics())
         case Infeasible():
             with planning.stage("conflict"):
@@ -206,7 +214,15 @@ class _Planning:
 
     def outcome(self, *, fastest: bool = True) -> Outcome:
         """The answer; not `fastest`: any plan will do."""
+        try:
+            return self.sought(fastest=fastest)
+        except OutOfTime:
+            return LimitReached(self.limits.out_of_time, statistics=self.statistics())
+
+    def sought(self, *, fastest: bool) -> Outcome:
+        """The answer, if there is time for all stages."""
         question = self.question
+        self.limits.look()
         with self.stage("translate"):
             network = compose(
                 question.workspace,
@@ -225,6 +241,7 @@ class _Planning:
         best: Plan | None = None
         if endings or parkings:
             with self.stage("translate"):
+                self.limits.look()
                 tables = tabulate(network)
             with self.stage("search"):
                 result = fastest_run(tables, self.limits, endings=endings, parkings=parkings)
@@ -246,7 +263,10 @@ class _Planning:
                 if best is not None:
                     # An infimum is beaten by any loop that attains it.
                     to_beat = best.makespan, len(best.steps) - 1 if best.attained else sys.maxsize
-                loops = fastest_loop(question, to_beat, self.limits)
+                try:
+                    loops = fastest_loop(question, to_beat, self.limits)
+                except OutOfTime:
+                    loops = Loops(reason=self.limits.out_of_time)
             else:
                 loops = any_loop(question, self.limits)
         self.states += loops.states
@@ -357,7 +377,12 @@ def _conflict(mission: Mission, limits: Limits) -> tuple[str, ...]:
         if remaining is not None and remaining <= 0:
             break
         part = replace(mission, spec=rest)
-        if isinstance(_planning(part, limits).outcome(fastest=False), Infeasible):
+        try:
+            excluded = isinstance(_planning(part, limits).outcome(fastest=False), Infeasible)
+        except (OutOfTime, MemoryError):
+            # That there is no plan is proved all the same.
+            break
+        if excluded:
             kept = list(rest)
     return tuple(requirement.name for requirement in kept)
 
@@ -372,6 +397,7 @@ def satisfiable(
     time_limit: float | None = None,
     memory_limit: int | None = None,
     progress: Report | None = None,
+    since: float | None = None,
 ) -> Answer:
     """Whether any right-continuous signal satisfies a formula: one that does, or a proof that none does.
 
@@ -382,12 +408,12 @@ def satisfiable(
     >>> satisfiable("F[1,2] A & G !A")
     Unsatisfiable()
     """
+    limits = Limits(time_limit, memory_limit, progress, since).begin()
     formula = _read(formula)
     core = normalize(formula, until, horizon="infinite")
     workspace = universal(_labels_to_tell_apart(core))
     starts = tuple(range(workspace.cell_count))
     question = Question(workspace, starts, (formula,), core, until, Fraction(1, 1000))
-    limits = Limits(time_limit, memory_limit, progress).begin()
     outcome = _Planning(question, "infinite", limits).outcome(fastest=False)
     match outcome:
         case Plan():
@@ -441,13 +467,19 @@ def valid(
     time_limit: float | None = None,
     memory_limit: int | None = None,
     progress: Report | None = None,
+    since: float | None = None,
 ) -> Answer:
     """Whether every signal satisfies a formula.
 
     The answer speaks of the negation: a signal is a counter-example.
     """
     return satisfiable(
-        Not(_read(formula)), until=until, time_limit=time_limit, memory_limit=memory_limit, progress=progress
+        Not(_read(formula)),
+        until=until,
+        time_limit=time_limit,
+        memory_limit=memory_limit,
+        progress=progress,
+        since=since,
     )
 
 
@@ -459,6 +491,7 @@ def equivalent(
     time_limit: float | None = None,
     memory_limit: int | None = None,
     progress: Report | None = None,
+    since: float | None = None,
 ) -> Answer:
     """Whether two formulas mean the same; the answer speaks of their difference."""
     return valid(
@@ -467,4 +500,5 @@ def equivalent(
         time_limit=time_limit,
         memory_limit=memory_limit,
         progress=progress,
+        since=since,
     )

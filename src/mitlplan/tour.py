@@ -202,6 +202,9 @@ class _Seeker:
         self, workspace: Workspace, starts: Sequence[int], visits: Iterable[Core], goal: Core
     ) -> _Walk | None:
         """The fastest walk from a start that ends where `goal` holds, when all `visits` have been made."""
+        if self.limits.over():
+            self.stopped = True
+            return None
         come = eventually(goal)
         parts = [eventually(conjunction(visit, come)) for visit in visits]
         core = conjunction(always(self.throughout), *(parts or [come]))

@@ -26,7 +26,8 @@ from itertools import compress, permutations, product
 from math import floor, lcm
 
 from mitlplan.errors import MitlplanError, TranslationError
-from mitlplan.logic.formula import Formula, Iff, Not
+from mitlplan.logic.formula import Formula, Iff, Not, Release, Until
+from mitlplan.logic.interval import ALWAYS
 from mitlplan.logic.semantics import satisfies
 from mitlplan.logic.signal import Segment, Signal
 from mitlplan.mission import Mission, Requirement
@@ -128,10 +129,19 @@ def bound_for(small: SmallMission) -> int:
     return 8 if small.tick_timed else 6 if small.waiting else 5
 
 
-def open_ended(small: SmallMission) -> bool:
-    """Whether some interval leaves out one of its finite ends: then an infimum may not be attained."""
-    intervals = [part.interval for part in parts(small.formula) if hasattr(part, "interval")]
-    return any(one.lower_open or (one.upper_open and one.upper is not None) for one in intervals)
+def instants_decide(small: SmallMission) -> bool:
+    """Whether a single instant may decide, so that an infimum may not be attained.
+
+    It may where an interval leaves out one of its finite ends, and under a standard until or release that
+    begins later: ``p`` is asked for up to the instant at which ``q`` holds, which may be its last.
+    """
+    for part in parts(small.formula):
+        interval = getattr(part, "interval", ALWAYS)
+        if interval.lower_open or (interval.upper_open and interval.upper is not None):
+            return True
+        if isinstance(part, (Until, Release)) and interval.lower > 0 and small.until == "standard":
+            return True
+    return False
 
 
 def oracle(small: SmallMission, bound: int) -> Answer | None:
@@ -144,7 +154,7 @@ def oracle(small: SmallMission, bound: int) -> Answer | None:
             bound=bound,
             until=small.until,
             horizon=small.horizon,
-            resolution=2 if open_ended(small) else 1,
+            resolution=2 if instants_decide(small) else 1,
         )
     except TooLargeError:
         return None

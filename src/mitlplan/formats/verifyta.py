@@ -16,7 +16,6 @@ import shutil
 import signal
 import subprocess
 import tempfile
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum
 from fractions import Fraction
@@ -166,7 +165,7 @@ def _heard(process: subprocess.Popen[str], limits: Limits) -> tuple[str, str]:
             return process.communicate(timeout=_LOOK if remaining is None else min(_LOOK, remaining))
         except subprocess.TimeoutExpired:
             if limits.progress is not None:
-                limits.progress(Progress(0, None, time.monotonic() - limits.started))
+                limits.progress(Progress(0, None, limits.elapsed))
     return "", ""
 
 

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import TypeAlias, Union
 
 import numpy as np
 
 from mitlplan import _core
+from mitlplan.errors import OutOfTime
 from mitlplan.search.schedule import Path
 from mitlplan.search.tables import KINDS, Tables
 
@@ -22,6 +23,9 @@ SLICE = 0.1
 """Seconds the native search works before it comes back."""
 
 MEGABYTE = 1_000_000
+
+FOUND, EXHAUSTED, OUT_OF_MEMORY = 1, 2, 3
+"""How a native search stands; 0 is that it is not done."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,20 +54,42 @@ class Limits:
     seconds: float | None = None
     megabytes: int | None = None
     progress: Callable[[Progress], None] | None = None
-    started: float = 0.0
+    started: float | None = None
 
     def begin(self) -> Limits:
-        """The same limits, with the clock started."""
-        return Limits(self.seconds, self.megabytes, self.progress, time.monotonic())
+        """The same limits, with the clock started if it does not run yet."""
+        return self if self.started is not None else replace(self, started=time.monotonic())
+
+    @property
+    def elapsed(self) -> float:
+        """The seconds since the clock was started."""
+        return 0.0 if self.started is None else time.monotonic() - self.started
 
     def remaining(self) -> float | None:
         """The seconds left."""
-        return None if self.seconds is None else self.seconds - (time.monotonic() - self.started)
+        return None if self.seconds is None else self.seconds - self.elapsed
 
     def over(self) -> bool:
         """Whether no time is left."""
         remaining = self.remaining()
         return remaining is not None and remaining <= 0
+
+    def look(self) -> None:
+        """Raise :class:`~mitlplan.errors.OutOfTime` if no time is left."""
+        if self.over():
+            raise OutOfTime
+
+    @property
+    def out_of_time(self) -> str:
+        """What is said when the time is over."""
+        return f"the time limit of {self.seconds or 0:g} s was reached"
+
+    @property
+    def out_of_memory(self) -> str:
+        """What is said when there is no more memory."""
+        if self.megabytes is None:
+            return "there was no more memory"
+        return f"the memory limit of {self.megabytes} MB was reached"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -135,27 +161,32 @@ def fastest_run(
     return Exhausted(search.stored, search.bytes)
 
 
+def run(search: _core.Search | _core.Reachability, limits: Limits) -> int:
+    """Let a native search work for a slice of time; how it then stands."""
+    remaining = limits.remaining()
+    try:
+        if remaining is None:
+            return search.run(SLICE)
+        return search.run(max(0.0, min(SLICE, remaining)), limit=max(0.0, remaining))
+    except MemoryError:
+        # What it has proved so far stands.
+        return OUT_OF_MEMORY
+
+
 def drive(
     search: _core.Search, tables: Tables, limits: Limits, most_states: int | None = None
 ) -> Stopped | None:
     """Runs a native search to its end, or until a limit stops it."""
     while True:
-        remaining = limits.remaining()
-        if remaining is None:
-            status = search.run(SLICE)
-        else:
-            status = search.run(max(0.0, min(SLICE, remaining)), limit=max(0.0, remaining))
-        if status in (1, 2):
+        status = run(search, limits)
+        if status in (FOUND, EXHAUSTED):
             return None
         bound = Fraction(search.lower_bound, tables.scale)
-        if status == 3:
-            reason = f"the memory limit of {limits.megabytes} MB was reached"
-            return Stopped(f"{reason} after {search.stored} states", bound, search.stored)
-        elapsed = time.monotonic() - limits.started
-        if limits.seconds is not None and elapsed >= limits.seconds:
-            reason = f"the time limit of {limits.seconds:g} s was reached"
-            return Stopped(f"{reason} after {search.stored} states", bound, search.stored)
+        if status == OUT_OF_MEMORY:
+            return Stopped(f"{limits.out_of_memory} after {search.stored} states", bound, search.stored)
+        if limits.over():
+            return Stopped(f"{limits.out_of_time} after {search.stored} states", bound, search.stored)
         if most_states is not None and search.stored > most_states:
             return Stopped(f"the search was given up after {search.stored} states", bound, search.stored)
         if limits.progress is not None:
-            limits.progress(Progress(search.stored, bound, elapsed))
+            limits.progress(Progress(search.stored, bound, limits.elapsed))

@@ -10,7 +10,6 @@ dropped and the next one looked at, and if none is left nothing is known.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -19,11 +18,19 @@ from typing import TypeAlias, Union
 from mitlplan import _core
 from mitlplan.automata.timed_automaton import Network, Query, Target
 from mitlplan.automata.trace import Move, Trace, rank
-from mitlplan.search.fastest import MEGABYTE, SLICE, Limits, Progress, Stopped
+from mitlplan.errors import OutOfTime
+from mitlplan.search.fastest import (
+    EXHAUSTED,
+    FOUND,
+    MEGABYTE,
+    OUT_OF_MEMORY,
+    Limits,
+    Progress,
+    Stopped,
+    run,
+)
 from mitlplan.search.systems import SystemTables, tabulate_system
 from mitlplan.search.timing import earliest
-
-_FOUND, _EXHAUSTED, _OUT_OF_MEMORY = 1, 2, 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +135,10 @@ def reach(
     found = any_way.first()
     if not fastest or not isinstance(found, Reached) or found.trace.least == 0:
         return found
-    better = _Ways(network, query, begun, epsilon, objective=True).best()
+    try:
+        better = _Ways(network, query, begun, epsilon, objective=True).best()
+    except OutOfTime:
+        better = Stopped(begun.out_of_time, None, 0)
     match better:
         case Unknown():
             # Ways may be lost to the second search, which comes across others, but not this one.
@@ -193,26 +203,19 @@ class _Ways:
     def next_goal(self) -> Reachable | None:
         """Search on to the next goal, or say why there is none."""
         while True:
-            remaining = self.limits.remaining()
-            if remaining is None:
-                status = self.search.run(SLICE)
-            else:
-                status = self.search.run(max(0.0, min(SLICE, remaining)), limit=max(0.0, remaining))
-            if status == _FOUND:
+            status = run(self.search, self.limits)
+            if status == FOUND:
                 return None
-            if status == _EXHAUSTED:
+            if status == EXHAUSTED:
                 return Unknown(self.spurious, self.effort()) if self.spurious else Unreachable(self.effort())
             stored = self.search.stored
             bound = Fraction(self.search.lower_bound, self.tables.scale)
-            if status == _OUT_OF_MEMORY:
-                reason = f"the memory limit of {self.limits.megabytes} MB was reached"
-                return Stopped(f"{reason} after {stored} states", bound, stored)
-            elapsed = time.monotonic() - self.limits.started
-            if self.limits.seconds is not None and elapsed >= self.limits.seconds:
-                reason = f"the time limit of {self.limits.seconds:g} s was reached"
-                return Stopped(f"{reason} after {stored} states", bound, stored)
+            if status == OUT_OF_MEMORY:
+                return Stopped(f"{self.limits.out_of_memory} after {stored} states", bound, stored)
+            if self.limits.over():
+                return Stopped(f"{self.limits.out_of_time} after {stored} states", bound, stored)
             if self.limits.progress is not None:
-                self.limits.progress(Progress(stored, bound, elapsed))
+                self.limits.progress(Progress(stored, bound, self.limits.elapsed))
 
     def way(self) -> Reached | None:
         """The way to the goal at hand with its times, or ``None`` if it has none."""
