@@ -65,7 +65,7 @@ ROOMS = {
     ),
     "compact": Room(
         "mitlplan/translation/compact",
-        ("tests/test_must_show.py", "tests/test_cases.py"),
+        ("tests/translation/compact/test_translate.py", "tests/test_must_show.py", "tests/test_cases.py"),
         ("tests/translation/compact",),
     ),
     "seed": Room(
@@ -77,6 +77,9 @@ ROOMS = {
         "mitlplan/search",
         (
             "src/mitlplan/search",
+            "tests/search/test_fastest.py",
+            "tests/search/test_lasso.py",
+            "tests/search/test_systems.py",
             "tests/search/test_tables.py",
             "tests/test_must_show.py",
             "tests/test_slack.py",

@@ -36,11 +36,14 @@ def test_time_is_over_when_it_has_run_out() -> None:
     assert not Limits(seconds=1_000.0).begin().over()
 
 
-def test_the_clock_starts_when_the_limits_begin() -> None:
-    """What was begun long ago is over, and can begin again."""
+def test_a_clock_that_runs_is_not_started_again() -> None:
     old = Limits(seconds=1_000.0, started=-10_000.0)
-    remaining = old.begin().remaining()
     assert old.over()
+    assert old.begin() is old
+    begun = Limits(seconds=1_000.0).begin()
+    remaining = begun.remaining()
+    assert begun.started is not None
+    assert begun.begin() is begun
     assert remaining is not None
     assert 0 < remaining <= 1_000
 

@@ -370,7 +370,7 @@ def test_a_limit_of_time_stops_the_search() -> None:
 
 def test_progress_is_told_between_slices(monkeypatch: pytest.MonkeyPatch) -> None:
     """With slices of no time at all it is told after every few states, limit of time or not."""
-    monkeypatch.setattr("mitlplan.search.reach.SLICE", 0.0)
+    monkeypatch.setattr("mitlplan.search.fastest.SLICE", 0.0)
     protocol = fischer(5)
     for seconds in (None, 1_000):
         seen: list[Progress] = []
