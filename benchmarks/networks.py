@@ -20,6 +20,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -221,9 +222,45 @@ keeps (zones, links, queue, hash tables), with the room it has reserved.
 """
 
 
-def networks_part(rows: Sequence[NetworkRow]) -> str:
-    """The part of the page, in Markdown."""
-    return "\n".join([EXPLANATION, *networks_table(rows), "", *networks_remarks(rows), ""])
+SECOND_CORE = """\
+### A second core
+
+Two searches at once, in two threads, take {ratio} times as long as one alone (Fischer, n = 8): the
+interpreter's lock is free while they search, so a second core serves a second mission. Within one search it
+would not pay. By a profile (perf, Fischer with n = 10, 2026-11-26) three fifths of the time go into what has
+to be done in one order, so that answers and counts stay the same every time: giving numbers to rows of
+locations and integers (a quarter of all), comparing and keeping zones (a fifth), the queue (a seventh).
+Making successors is the rest, and halving it would save a fifth at most, less what handing zones from one
+core to the other costs.
+"""
+
+
+def networks_part(rows: Sequence[NetworkRow], second: float) -> str:
+    """The part of the page, in Markdown; `second` is what :func:`two_at_once` says."""
+    return "\n".join(
+        [
+            EXPLANATION,
+            *networks_table(rows),
+            "",
+            *networks_remarks(rows),
+            "",
+            SECOND_CORE.format(ratio=ratio(second)),
+        ]
+    )
+
+
+def two_at_once(rounds: int = 9) -> float:
+    """How many times as long two searches in two threads take as one alone."""
+    protocol = PROTOCOLS["fischer"](8)
+    alone: list[float] = []
+    both: list[float] = []
+    with ThreadPoolExecutor(2) as pool:
+        for _ in range(rounds):
+            for count, seconds in ((1, alone), (2, both)):
+                begin = time.perf_counter()
+                list(pool.map(lambda _: reach(protocol.network, protocol.forbidden), range(count)))
+                seconds.append(time.perf_counter() - begin)
+    return median(both) / median(alone)
 
 
 def networks_table(rows: Sequence[NetworkRow]) -> Iterator[str]:

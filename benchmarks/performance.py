@@ -28,7 +28,7 @@ from benchmarks.families import (
     terrain_of,
 )
 from benchmarks.memory import measured
-from benchmarks.networks import networks, networks_part, races
+from benchmarks.networks import networks, networks_part, races, two_at_once
 from benchmarks.report import Section, ratio, write
 from mitlplan.mission import read
 from mitlplan.plan import Plan
@@ -127,7 +127,8 @@ def main(arguments: list[str]) -> None:
     memory = [] if chosen.family else list(measured())
     parts = []
     if NETWORKS in families:
-        parts.append(networks_part(list(races(networks(), rounds=chosen.rounds, budget=chosen.budget))))
+        rows = list(races(networks(), rounds=chosen.rounds, budget=chosen.budget))
+        parts.append(networks_part(rows, two_at_once()))
     write(
         chosen.output,
         sections,

@@ -46,7 +46,7 @@ def test_a_row_has_our_search_and_the_tools_that_are_there(
     assert row.searches["tck-reach covreach"].seconds == [0.5, 0.5]
     assert 0 < row.ours.kept < row.ours.peak
     assert row.ours.before <= row.ours.peak
-    page = networks_part([row]).splitlines()
+    page = networks_part([row], 1.1).splitlines()
     head, _, line = (each for each in page if each.startswith("|"))
     assert head.count("|") == line.count("|")
     assert line.startswith("| Fischer | 3 | 71 | 65 | 126 | **")
@@ -74,7 +74,7 @@ def test_who_takes_too_long_gives_up(monkeypatch: pytest.MonkeyPatch, tmp_path: 
     first, second = races([("fischer", 2), ("fischer", 3)], rounds=1, budget=60)
     assert first.searches["tck-reach covreach"].given_up == "over 0.2 s"
     assert second.searches["tck-reach covreach"].given_up == "not tried: over 0.2 s"
-    assert "| over 0.2 s |  |  |  |" in networks_part([first])
+    assert "| over 0.2 s |  |  |  |" in networks_part([first], 1.1)
 
 
 def test_the_peak_of_memory_is_that_of_the_program_alone() -> None:
