@@ -49,8 +49,10 @@ Answer = TypeVar("Answer")
 
 
 def began() -> float:
-    """When this process was started, by :func:`time.monotonic`: Python's own start is part of a command."""
+    """When this command was started, by :func:`time.monotonic`: Python's own start is part of a program."""
     now = time.monotonic()
+    if not listens():
+        return now
     try:
         started = int(_read("/proc/self/stat").rpartition(")")[2].split()[19])
         age = time.clock_gettime(time.CLOCK_BOOTTIME) - started / os.sysconf("SC_CLK_TCK")

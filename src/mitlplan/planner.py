@@ -217,7 +217,7 @@ class _Planning:
         try:
             return self.sought(fastest=fastest)
         except OutOfTime:
-            return LimitReached(self.limits.out_of_time, statistics=self.statistics())
+            return LimitReached(self.limits.out_of_time, Fraction(0), self.statistics())
 
     def sought(self, *, fastest: bool) -> Outcome:
         """The answer, if there is time for all stages."""
