@@ -12,6 +12,9 @@ import threading
 
 from hypothesis import HealthCheck, settings
 
+collect_ignore = ["mutants.py"]
+"""No tests but a program, whose packages are not installed with those of the tests."""
+
 settings.register_profile(
     "test",
     max_examples=100,
