@@ -15,7 +15,8 @@ compile = mkdir -p $(1) && { $(BIN)/cmake -S . -B $(1) -G Ninja -DCMAKE_MAKE_PRO
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help build demo test lint types imports unit sanitize sanitize-all fuzz fuzz-readers mutants bench paper native clean
+.PHONY: help build demo test lint types imports unit sanitize sanitize-all fuzz fuzz-readers mutants bench paper \
+  native clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' Makefile
@@ -95,9 +96,11 @@ sanitize: $(STAMPS)/sanitize ## the tests of the native half, under the address 
 	$(call say,pytest under sanitizers)
 	@$(SANITIZED) tests/native tests/search
 
-sanitize-all: $(STAMPS)/sanitize ## every test there is, under the sanitizers
+# But for the comparisons with collocation: CasADi opens its solvers with RTLD_DEEPBIND, where the address sanitizer
+# ends the process. None of them calls the native half.
+sanitize-all: $(STAMPS)/sanitize ## every test that can be, under the sanitizers
 	$(call say,pytest under sanitizers, all of it)
-	@$(SANITIZED) --timeout=600
+	@$(SANITIZED) --timeout=600 --ignore=tests/trajectory/test_collocation.py
 
 fuzz: $(STAMPS)/dev ## random missions without end, other ones every time, put to every voice
 	@$(BIN)/mitlplan-fuzz --seed $$(date +%s) --jobs $(JOBS)

@@ -27,13 +27,18 @@ On 4277 the tick oracle has no answer either; the robot has no choice there, so 
 """
 
 
+PATIENCE = 200.0
+"""Seconds for a mission: the hardest takes five, many times that on a busy machine or under sanitizers."""
+
+
+@pytest.mark.timeout(600)
 @pytest.mark.parametrize("first", range(0, MISSIONS, CHUNK))
 def test_engine_oracle_and_judge_agree(first: int) -> None:
     reports = []
     for seed in range(first, first + CHUNK):
         small = random_mission(seed)
         hard = seed in KNOWN_TO_GIVE_UP
-        found = disagreements(small, longest=2, may_give_up=True) if hard else disagreements(small)
+        found = disagreements(small, longest=2 if hard else PATIENCE, may_give_up=hard)
         if found:
             reports.append("\n".join([f"seed {seed}", *found, small.yaml()]))
     assert not reports, f"{len(reports)} of {CHUNK} missions:\n" + "\n".join(reports[:3])
