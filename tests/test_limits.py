@@ -229,6 +229,21 @@ def test_a_memory_limit_holds_while_reading(large: Path, tmp_path: Path, form: s
 
 
 @sanitized
+@pytest.mark.parametrize("megabytes", [1, 2, 3])
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("plan", EXAMPLES / "patrol-berlin.yaml"),
+        ("plan", EXAMPLES / "paper" / "phi1.yaml"),
+        ("satisfiable", "G F[0,2] a & F b"),
+    ],
+)
+def test_with_next_to_no_memory_there_is_a_sentence(command: tuple[str | Path, ...], megabytes: int) -> None:
+    """Libraries that are loaded, and Python itself, then fail in ways of their own."""
+    assert ended(*command, "--memory-limit", str(megabytes))[0] in (0, 3)
+
+
+@sanitized
 def test_no_more_memory_is_no_crash(large: Path) -> None:
     """Here the shell sets the bound; where nobody does, what the machine has to give is one."""
     process = subprocess.run(  # noqa: S603

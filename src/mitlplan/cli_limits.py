@@ -76,12 +76,15 @@ def held_to(limits: Limits, work: Callable[[], Answer], otherwise: Callable[[str
     """
     if not listens():
         return work()
+    if limits.megabytes is not None:
+        # A loop may need it when no room is left, and an import then says anything but that.
+        import scipy.optimize  # noqa: F401
     try:
         with _alarm(limits), room(limits.megabytes):
             return work()
     except OutOfTime:
         reason = limits.out_of_time
-    except MemoryError:
+    except (MemoryError, SystemError):  # the second is what Python makes of the first now and then
         if limits.megabytes is None:
             raise
         reason = limits.out_of_memory
