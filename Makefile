@@ -50,11 +50,12 @@ build: $(STAMPS)/build ## the package in .venv (the default)
 
 demo: build ## plan two example missions and keep plans and pictures in plans/
 	@mkdir -p plans
-	@for mission in paper/phi1 warehouse; do \
-	  printf '== mitlplan plan examples/%s.yaml\n' $$mission; \
-	  name=plans/$$(basename $$mission); \
-	  $(BIN)/mitlplan plan examples/$$mission.yaml && \
-	  $(BIN)/mitlplan plan examples/$$mission.yaml --format json --output $$name.json || exit 1; \
+	@for mission in docs/trajectory/phi1.yaml examples/warehouse.yaml; do \
+	  printf '== mitlplan plan %s\n' $$mission; \
+	  name=plans/$$(basename $$mission .yaml); \
+	  $(BIN)/mitlplan plan $$mission && \
+	  $(BIN)/mitlplan plan $$mission --format json --output $$name.json && \
+	  $(BIN)/mitlplan draw $$mission $$name.json --output $$name.png || exit 1; \
 	done
 	$(call say,kept in plans/)
 
