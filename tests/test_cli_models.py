@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shutil
+import subprocess
 from fractions import Fraction
 from pathlib import Path
 
@@ -15,6 +17,8 @@ from mitlplan.formats.uppaal_read import read_uppaal
 from tests.formats.tck import read_tck
 from tests.formats.uppaal_structure import faults
 from tests.oracles.published_reach import reach
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
 
 PHI1 = """\
 mitlplan: 1
@@ -55,6 +59,28 @@ def test_a_tchecker_model_with_a_bound(bound: str, reached: bool, mission: Path,
     network, query = read_tck(output.read_text())
     assert [variable.name for variable in network.variables][-1] == "column"
     assert (reach(network, query, latest=Fraction(8)) is not None) == reached
+
+
+@pytest.mark.timeout(300)
+@pytest.mark.skipif(shutil.which("tck-reach") is None, reason="TChecker's tck-reach is not on the PATH")
+@pytest.mark.parametrize("construction", ["compact", "seed"])
+@pytest.mark.parametrize(
+    ("example", "makespan"), [("paper/phi1", 3), ("paper/phi4", 3), ("warehouse", 154), ("rescue", 110)]
+)
+def test_tchecker_finds_a_plan_of_our_makespan_and_none_that_is_faster(
+    example: str, makespan: int, construction: str, tmp_path: Path
+) -> None:
+    model = tmp_path / "model.tck"
+    for bound, reached in ((makespan, "true"), (makespan - 1, "false")):
+        options = ("--construction", construction, "--to", "tchecker", "--bound", bound, "-o", model)
+        assert run("translate", EXAMPLES / f"{example}.yaml", *options).exit_code == 0
+        said = subprocess.run(  # noqa: S603
+            ["tck-reach", "-a", "covreach", "-l", "goal0", "-s", "bfs", str(model)],  # noqa: S607
+            check=True,
+            capture_output=True,
+            text=True,
+        )
+        assert f"REACHABLE {reached}\n" in said.stdout
 
 
 def test_json_and_dot(mission: Path) -> None:
