@@ -160,11 +160,11 @@ def test_a_finite_horizon_lets_always_end_with_the_mission() -> None:
 
 
 def test_co_safety_is_read_off_the_negation_normal_form() -> None:
-    assert co_safe(need_of(parse("F A & !(B R[0,3] A)")))
-    assert co_safe(need_of(parse("!(G !A)")))
-    assert not co_safe(need_of(parse("!(F A)")))
-    assert not co_safe(need_of(parse("F A -> F B")))
-    assert not co_safe(need_of(parse("A W B")))
+    assert co_safe(parse("F A & !(B R[0,3] A)"))
+    assert co_safe(parse("!(G !A)"))
+    assert not co_safe(parse("!(F A)"))
+    assert not co_safe(parse("F A -> F B"))
+    assert not co_safe(parse("A W B"))
 
 
 # --- Against each other ------------------------------------------------------------------------------------

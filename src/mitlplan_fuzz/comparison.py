@@ -238,7 +238,7 @@ def _faults_in_time(small: SmallMission, found: Plan, end: Fraction) -> Iterator
         yield f"the plan ends at {end}, not at its makespan"
     if not found.attained and not found.makespan < end <= found.makespan + (found.epsilon or 0):
         yield f"the plan ends at {end}, which is no answer to an infimum of {found.makespan}"
-    finite_only = small.horizon == "finite" or co_safe(need_of(small.formula, until=small.until))
+    finite_only = small.horizon == "finite" or co_safe(small.formula)
     if finite_only and found.loop is not None:
         yield "a finite plan was asked for"
 

@@ -194,15 +194,36 @@ def need_of(
             return dual([for_ever, reached])
 
 
-def co_safe(need: Need) -> bool:
-    """Whether no release has an infinite upper bound: a finite plan can accomplish the mission."""
-    match need:
-        case Known() | Label():
+def co_safe(formula: written.Formula, *, wanted: bool = True) -> bool:
+    """Whether a finite plan can accomplish the mission, as it is written.
+
+    No release of its negation normal form has an infinite upper bound (of its negation's, if not `wanted`).
+    """
+    match formula:
+        case written.Constant() | written.Atom():
             return True
-        case Every(operands) | Some(operands):
-            return all(co_safe(operand) for operand in operands)
-        case Timed(strong, left, right, _, upper):
-            return (strong or upper is not None) and co_safe(left) and co_safe(right)
+        case written.Not(operand):
+            return co_safe(operand, wanted=not wanted)
+        case written.And(operands) | written.Or(operands):
+            return all(co_safe(operand, wanted=wanted) for operand in operands)
+        case written.Implies(left, right):
+            return co_safe(left, wanted=not wanted) and co_safe(right, wanted=wanted)
+        case written.Iff(left, right):
+            return all(co_safe(side, wanted=value) for side in (left, right) for value in (True, False))
+        case written.Eventually(operand, interval):
+            return (wanted or interval.upper is not None) and co_safe(operand, wanted=wanted)
+        case written.Always(operand, interval):
+            return (not wanted or interval.upper is not None) and co_safe(operand, wanted=wanted)
+        case written.Next(operand):
+            return co_safe(operand, wanted=wanted)
+        case written.Until(left, right, interval):
+            bounded = wanted or interval.upper is not None
+            return bounded and co_safe(left, wanted=wanted) and co_safe(right, wanted=wanted)
+        case written.Release(left, right, interval):
+            bounded = not wanted or interval.upper is not None
+            return bounded and co_safe(left, wanted=wanted) and co_safe(right, wanted=wanted)
+        case written.WeakUntil():
+            return False
 
 
 # --- Residuals ---------------------------------------------------------------------------------------------

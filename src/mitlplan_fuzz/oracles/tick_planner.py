@@ -146,7 +146,7 @@ class _TickSearch:
         self.map = TickMap(workspace, resolution)
         self.resolution = resolution
         need = need_of(formula, until=until, scale=Fraction(resolution))
-        self.loops = horizon == "infinite" and not co_safe(need)
+        self.loops = horizon == "infinite" and not co_safe(formula)
         self.ends_anywhere = horizon == "finite"
         self.progression = Progression(need)
         self.start: State = (start, 0, self.progression.initial)
@@ -333,7 +333,7 @@ def least_by_enumeration(
     """As :func:`least_by_progression`, the plans listed one by one and each shown to the judge."""
     from mitlplan.logic.semantics import satisfies
 
-    endless = horizon == "infinite" and not co_safe(need_of(formula, scale=Fraction(resolution)))
+    endless = horizon == "infinite" and not co_safe(formula)
     for plan in tick_plans(workspace, start, bound=bound, resolution=resolution, endless=endless):
         if satisfies(formula, signal_of(workspace, plan), until=until, horizon=horizon):
             return plan
