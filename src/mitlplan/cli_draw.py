@@ -83,16 +83,17 @@ def register(app: typer.Typer) -> None:
         drive: DriveOptions = None,
     ) -> None:
         """Draw the map with its regions, and the plan or the trajectory on it; or automata."""
-        from mitlplan.formats.output import write_whole
+        from mitlplan.formats.output import check_writable, write_whole
 
         with errors_reported():
             if (mission is None) == (not figure):
                 raise typer.BadParameter("name a mission or a figure, and not both")
             output = output or Path("automaton.svg" if automaton or figure else "plan.svg")
+            check_writable(output)
             if mission is None:
-                drawing: str | bytes = _graph_drawn(output, lambda: paper_figure(figure))
+                drawing: str | bytes = _graph_drawn(output, lambda: _paper_figure(figure))
             elif automaton or part:
-                drawing = _graph_drawn(output, lambda: mission_dot(mission, construction, part))
+                drawing = _graph_drawn(output, lambda: _mission_dot(mission, construction, part))
             else:
                 wishes = wishes_of(robot or (), drive or ())
                 drawing = _map_drawn(mission, plan, output, shown, title, wishes)
@@ -102,7 +103,7 @@ def register(app: typer.Typer) -> None:
 # -- automata -------------------------------------------------------------------------------------------
 
 
-def mission_dot(mission: Path, construction: Construction, part: str) -> str:
+def _mission_dot(mission: Path, construction: Construction, part: str) -> str:
     """The graph of one automaton of a mission: the one called `part`, or the robot's."""
     from mitlplan.errors import MissionError
     from mitlplan.formats.dot import automaton_dot
@@ -117,7 +118,7 @@ def mission_dot(mission: Path, construction: Construction, part: str) -> str:
     return automaton_dot(chosen, points=layout_of(read, model).get(chosen.name))
 
 
-def paper_figure(name: str) -> str:
+def _paper_figure(name: str) -> str:
     """The graph of a figure of the paper: ``fig1``, ``fig2``, ``fig4`` to ``fig9``.
 
     Raises
@@ -137,9 +138,7 @@ def paper_figure(name: str) -> str:
 def _graph_drawn(output: Path, graph: Callable[[], str]) -> str:
     """A graph as what the file's name asks for: ``.dot``, or a picture."""
     from mitlplan.draw.automata import draw_graph
-    from mitlplan.formats.output import check_writable
 
-    check_writable(output)
     match output.suffix:
         case ".dot":
             return graph()
@@ -175,9 +174,6 @@ def _picture_kind(output: Path, shown: Shown) -> Any:
 def _map_drawn(
     mission: Path, plan: Path | None, output: Path, shown: Shown, title: str, wishes: Wishes
 ) -> bytes:
-    from mitlplan.formats.output import check_writable
-
-    check_writable(output)
     kind = _picture_kind(output, shown)
     try:
         from mitlplan.draw import animation, picture, rendered

@@ -16,6 +16,7 @@ from mitlplan.cli_options import (
     MissionFile,
     Output,
     Until,
+    exact_option,
     read_mission,
 )
 
@@ -35,17 +36,6 @@ class Format(str, Enum):
     json = "json"
 
 
-def _bound_option(text: str | None) -> str | None:
-    from mitlplan.exact import exact
-
-    if text is not None:
-        try:
-            exact(text)
-        except ValueError as error:
-            raise typer.BadParameter(str(error)) from None
-    return text
-
-
 def register(app: typer.Typer) -> None:
     """Add the command to `app`."""
 
@@ -58,7 +48,7 @@ def register(app: typer.Typer) -> None:
         bound: Annotated[
             str | None,
             typer.Option(
-                metavar="SECONDS", callback=_bound_option, help="Only plans as fast as this (tchecker)."
+                metavar="SECONDS", callback=exact_option, help="Only plans as fast as this (tchecker)."
             ),
         ] = None,
         until: Until = None,

@@ -43,17 +43,23 @@ def _finite_option(seconds: float | None) -> float | None:
     return seconds
 
 
-def positive_option(text: str | None) -> str | None:
-    """A positive number, written exactly; left as text."""
+def exact_option(text: str | None) -> str | None:
+    """A number that is not negative, written exactly; left as text."""
     from mitlplan.exact import exact
 
-    if text is None:
-        return None
-    try:
-        if exact(text) == 0:
-            raise typer.BadParameter("a positive number is expected, such as 1/20")
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from None
+    if text is not None:
+        try:
+            exact(text)
+        except ValueError as error:
+            raise typer.BadParameter(str(error)) from None
+    return text
+
+
+def positive_option(text: str | None) -> str | None:
+    """A positive number, written exactly; left as text."""
+    exact_option(text)
+    if text is not None and Fraction(text) == 0:
+        raise typer.BadParameter("a positive number is expected, such as 1/20")
     return text
 
 

@@ -371,10 +371,7 @@ def _conflict(mission: Mission, limits: Limits) -> tuple[str, ...]:
     kept = list(mission.spec)
     for requirement in mission.spec:
         rest = tuple(other for other in kept if other is not requirement)
-        if not rest:
-            break
-        remaining = limits.remaining()
-        if remaining is not None and remaining <= 0:
+        if not rest or limits.over():
             break
         part = replace(mission, spec=rest)
         try:

@@ -183,10 +183,9 @@ class _Line:
     def possible(self, stretch: int, delay: Fraction, *, or_later: bool) -> bool:
         """Whether the formula can still be satisfied; ``False`` also if that takes too long to find out."""
         self.questions += 1
-        remaining = self.limits.remaining()
-        if self.questions > MOST_QUESTIONS or (remaining is not None and remaining <= 0):
+        if self.questions > MOST_QUESTIONS or self.limits.over():
             return False
-        limits = Limits(remaining, MOST_MEGABYTES).begin()
+        limits = Limits(self.limits.remaining(), MOST_MEGABYTES).begin()
         try:
             network = Network(
                 self.map(stretch, delay, or_later=or_later), self.obligations.transducers, self.predicates

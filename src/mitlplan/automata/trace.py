@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from fractions import Fraction
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from mitlplan.automata.timed_automaton import (
@@ -287,6 +286,11 @@ def soonest(
     ----------
     solve
         The earliest times that satisfy the guards of the moves and the constraints it is given.
+
+    Returns
+    -------
+    Trace or None
+        One that has been executed.
     """
 
     def best(declined: Declined) -> Trace | None:
@@ -333,7 +337,6 @@ def earliest(
     target: Target | None = None,
     *,
     epsilon: Fraction = Fraction(1, 1000),
-    declined: Declined = MappingProxyType({}),
 ) -> Trace | None:
     """The earliest times at which `moves` can be made one after the other; ``None`` if they cannot.
 
@@ -346,8 +349,6 @@ def earliest(
         What must hold at the end.
     epsilon
         How far above the infimum the last move may be made if the infimum is not attained, in seconds.
-    declined
-        What else has to hold at some of the moves.
 
     Examples
     --------
@@ -359,11 +360,8 @@ def earliest(
     (Fraction(3, 2),)
     """
 
-    def solve(besides: Declined) -> Trace | None:
-        together = {
-            number: (*declined.get(number, ()), *besides.get(number, ())) for number in {*declined, *besides}
-        }
-        program = _Program(network, moves, () if target is None else target.guard, together)
+    def solve(declined: Declined) -> Trace | None:
+        program = _Program(network, moves, () if target is None else target.guard, declined)
         bottom = program.least(Fraction(0))
         if bottom is None:
             return None
@@ -383,8 +381,7 @@ def earliest(
             margin /= 2
         return last
 
-    found = soonest(network, solve, target)
-    return found if found is not None and execute(network, found, target) is None else None
+    return soonest(network, solve, target)
 
 
 _Row: TypeAlias = tuple[dict[int, int], Fraction, bool]

@@ -15,7 +15,7 @@ from fractions import Fraction
 from mitlplan import _core
 from mitlplan.automata import trace
 from mitlplan.automata.timed_automaton import Location, Network, Target, Urgency, ticks_per_second
-from mitlplan.automata.trace import Declined, Move, Trace, execute, located, soonest
+from mitlplan.automata.trace import Declined, Move, Trace, located, soonest
 from mitlplan.automata.transducer import Guard, Relation
 from mitlplan.search.schedule import Difference, columns, infinitesimals_a_tick
 from mitlplan.search.tables import ticks_of
@@ -55,10 +55,7 @@ def earliest(
     scale = ticks_per_second(network) * _denominator(target.guard)
 
     def solve(declined: Declined) -> Trace | None:
-        try:
-            constraints = list(dict.fromkeys(_differences(network, moves, target.guard, declined, scale)))
-        except _StopwatchRead:
-            return trace.earliest(network, moves, target, epsilon=epsilon, declined=declined)
+        constraints = list(dict.fromkeys(_differences(network, moves, target.guard, declined, scale)))
         try:
             times = _core.earliest_times(len(moves) + 2, *columns(constraints))
         except ValueError:
@@ -68,8 +65,10 @@ def earliest(
         least = Fraction(times[-1][0], scale)
         return Trace(tuple(moves), tuple(made), attained=times[-1][1] == 0, least=least, end=end)
 
-    found = soonest(network, solve, target)
-    return found if found is not None and execute(network, found, target) is None else None
+    try:
+        return soonest(network, solve, target)
+    except _StopwatchRead:
+        return trace.earliest(network, moves, target, epsilon=epsilon)
 
 
 def _denominator(guard: Guard) -> int:

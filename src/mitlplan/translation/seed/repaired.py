@@ -169,15 +169,14 @@ class _Translator:
                 f"the seed construction has no transducer for {name_of(core)}, a standard until with a lower "
                 "bound above 0; use until: closed, or the compact construction"
             )
+        again = self._asked[core] == _Asked.AGAIN
         if upper is None:
             if lower > 0 and self._until_the_end:
                 raise TranslationError(
                     f"the seed construction has no {name_of(core)} for horizon: finite; use the compact "
                     "construction"
                 )
-            again = self._asked[core] == _Asked.AGAIN
             return self._lasting(left, right, lower, until_the_end=self._until_the_end, again=again)
-        again = self._asked[core] == _Asked.AGAIN
         timed = self._eventually(right, lower, upper, again=again)
         if left == TRUE:
             return timed
